@@ -246,7 +246,7 @@ impl Fit {
     pub fn smoothing(&self) -> f64 {
         // extreme weights were multiplied by a power of two, and the penalty by its square
         let unit = self.solved.fitted.noise.unit();
-        self.equations().roughness.as_ref().map_or(0.0, |(lambda, _)| lambda / unit / unit)
+        self.equations().roughness.as_ref().map_or(0.0, |rough| rough.lambda / unit / unit)
     }
 
     /// The method that gave the coefficients; [`Fit::certificate`] says why.

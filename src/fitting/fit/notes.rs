@@ -32,6 +32,8 @@ pub enum Note {
     Smoothed {
         /// lambda.
         lambda: f64,
+        /// Whether third derivatives are penalised, as by [`Smooth::Third`](super::Smooth::Third), or second ones.
+        third: bool,
     },
     /// Errors in x and y were known, and contacts were moved to where they most likely lie.
     Located {
@@ -107,9 +109,10 @@ impl std::fmt::Display for Note {
                 "the weights of the robust loss did not stand still: the last step moved one by {moved:.1e}, and what is \
                  said of S and R depends on where it stopped; lower degree or segments, or add contacts"
             ),
-            Note::Smoothed { lambda } => write!(
+            Note::Smoothed { lambda, third } => write!(
                 f,
-                "smoothing parameter {lambda:.3e} chosen by generalised cross-validation, which assumes independent rows"
+                "smoothing parameter {}{lambda:.3e} chosen by restricted maximum likelihood, which assumes independent rows",
+                if *third { "third=" } else { "" }
             ),
         }
     }

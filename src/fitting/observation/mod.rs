@@ -28,6 +28,6 @@ pub use data::{Data, Measured};
 pub use gridded::GridSites;
 pub use kronecker::kronecker_normal_matrix;
 pub use normal_rows::{angular_residual_squared, linearise_normals, normal_curving};
-pub use roughness::{roughness_matrix, roughness_row_count, roughness_rows, roundings};
+pub use roughness::{Roughness, RoughnessOrder, roughness_matrix, roughness_row_count, roughness_rows, roundings};
 pub use scattered::CellNumbers;
 pub use scattered::ScatteredSites;

@@ -1,23 +1,80 @@
 //! Thin-plate roughness as a matrix and as rows:
 //!
 //! ```text
-//! c'Pc = integral (S_xx^2 + 2 S_xy^2 + S_yy^2),  P = G2 (x) H0 + 2 G1 (x) H1 + G0 (x) H2,  Gk = int N^(k) N^(k)'
-//! P = L'L,  L = [ B2 (x) C0; sqrt(2) B1 (x) C1; B0 (x) C2 ],  Bk = sqrt(weight) N^(k) at the points of Gauss
+//! second   c'Pc = integral (S_xx^2 + 2 S_xy^2 + S_yy^2)                     third   integral (S_xxx^2 + 3 S_xxy^2 + 3 S_xyy^2 + S_yyy^2)
+//! P = sum_k (m over k) G_(m-k) (x) H_k,  Gk = int N^(k) N^(k)'              m = 2, 3
+//! P = L'L,  L = [ sqrt(m over k) B_(m-k) (x) C_k ],  Bk = sqrt(weight) N^(k) at the points of Gauss
 //! ```
+//!
+//! What costs nothing is a plane, or a surface of second degree, whose curvatures are left as they are. P. Green and B. Silverman,
+//! *Nonparametric Regression and Generalized Linear Models* (1994), section 7.9.
 
 use palpate_numeric::bspline::{Knots, gauss_legendre, gram};
 use palpate_numeric::linalg::{StencilMatrix, TensorShape};
 
+/// Which derivatives a penalty squares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RoughnessOrder {
+    /// Second ones: planes cost nothing.
+    Second,
+    /// Third ones: surfaces of second degree cost nothing.
+    Third,
+}
+
+impl RoughnessOrder {
+    /// The highest that splines of these degrees have: below degree 3 the third derivative is zero between knots.
+    pub fn of_degrees(degree: [usize; 2]) -> RoughnessOrder {
+        if degree[0].min(degree[1]) >= 3 { RoughnessOrder::Third } else { RoughnessOrder::Second }
+    }
+
+    /// Independent surfaces that cost nothing.
+    pub fn null_dimension(self) -> usize {
+        match self {
+            RoughnessOrder::Second => 3,
+            RoughnessOrder::Third => 6,
+        }
+    }
+
+    /// Derivatives by x and by y of every term, with its binomial coefficient.
+    fn terms(self) -> &'static [(f64, usize, usize)] {
+        match self {
+            RoughnessOrder::Second => &[(1.0, 2, 0), (2.0, 1, 1), (1.0, 0, 2)],
+            RoughnessOrder::Third => &[(1.0, 3, 0), (3.0, 2, 1), (3.0, 1, 2), (1.0, 0, 3)],
+        }
+    }
+}
+
+/// `lambda c'Pc`, added to the sum of squares.
+#[derive(Clone, Debug)]
+pub struct Roughness {
+    /// Its weight.
+    pub lambda: f64,
+    /// P.
+    pub penalty: StencilMatrix,
+    /// Which derivatives P squares.
+    pub order: RoughnessOrder,
+}
+
+impl Roughness {
+    /// Over the whole domain of the knots.
+    pub fn new(lambda: f64, knots: &[Knots; 2], order: RoughnessOrder) -> Roughness {
+        Roughness { lambda, penalty: roughness_matrix(knots, order), order }
+    }
+
+    /// The same with another weight.
+    pub fn weighing(&self, lambda: f64) -> Roughness {
+        Roughness { lambda, ..self.clone() }
+    }
+}
+
 /// The penalty matrix P over the whole domain, from one-dimensional Gram matrices.
-pub fn roughness_matrix(knots: &[Knots; 2]) -> StencilMatrix {
+pub fn roughness_matrix(knots: &[Knots; 2], order: RoughnessOrder) -> StencilMatrix {
     let shape =
         TensorShape { basis: [knots[0].n_basis(), knots[1].n_basis()], degree: [knots[0].degree(), knots[1].degree()] };
-    let x = [0, 1, 2].map(|k| gram(&knots[0], k));
-    let y = [0, 1, 2].map(|k| gram(&knots[1], k));
     let mut matrix = StencilMatrix::zeros(shape);
-    matrix.add_kronecker(1.0, &x[2], &y[0]);
-    matrix.add_kronecker(2.0, &x[1], &y[1]);
-    matrix.add_kronecker(1.0, &x[0], &y[2]);
+    for (factor, by_x, by_y) in order.terms() {
+        matrix.add_kronecker(*factor, &gram(&knots[0], *by_x), &gram(&knots[1], *by_y));
+    }
     matrix
 }
 
@@ -28,16 +85,16 @@ pub fn roundings(degree: [usize; 2]) -> f64 {
 }
 
 /// Rows of L for [`roughness_rows`].
-pub fn roughness_row_count(knots: &[Knots; 2]) -> usize {
-    3 * knots.iter().map(|k| k.n_segments() * (k.degree() + 1)).product::<usize>()
+pub fn roughness_row_count(knots: &[Knots; 2], order: RoughnessOrder) -> usize {
+    order.terms().len() * knots.iter().map(|k| k.n_segments() * (k.degree() + 1)).product::<usize>()
 }
 
 /// The dense rows of L: a factorisation of rows keeps twice the digits that one of P itself keeps.
-pub fn roughness_rows(knots: &[Knots; 2]) -> Vec<Vec<f64>> {
-    let [x, y] = [0, 1].map(|axis| [0, 1, 2].map(|order| weighted_points(&knots[axis], order)));
-    let mut rows = Vec::with_capacity(roughness_row_count(knots));
-    for (factor, along_x, along_y) in [(1.0, &x[2], &y[0]), (2.0_f64.sqrt(), &x[1], &y[1]), (1.0, &x[0], &y[2])] {
-        for n in along_x {
+pub fn roughness_rows(knots: &[Knots; 2], order: RoughnessOrder) -> Vec<Vec<f64>> {
+    let mut rows = Vec::with_capacity(roughness_row_count(knots, order));
+    for (square, by_x, by_y) in order.terms() {
+        let (factor, along_y) = (square.sqrt(), weighted_points(&knots[1], *by_y));
+        for n in &weighted_points(&knots[0], *by_x) {
             rows.extend(along_y.iter().map(|m| n.iter().flat_map(|a| m.iter().map(move |b| factor * a * b)).collect()));
         }
     }
@@ -71,10 +128,17 @@ mod tests {
 
     #[test]
     fn the_rows_squared_are_the_matrix() {
-        for (degree, segments) in [([3, 2], [2, 3]), ([1, 4], [3, 1]), ([9, 1], [1, 1])] {
+        let (second, third) = (RoughnessOrder::Second, RoughnessOrder::Third);
+        for (degree, segments, order) in [
+            ([3, 2], [2, 3], second),
+            ([1, 4], [3, 1], second),
+            ([9, 1], [1, 1], second),
+            ([3, 3], [2, 3], third),
+            ([4, 5], [3, 1], third),
+        ] {
             let knots = [0, 1].map(|k| Knots::uniform(degree[k], segments[k], -1.0, 1.0).unwrap());
-            let (matrix, rows) = (roughness_matrix(&knots), roughness_rows(&knots));
-            assert_eq!(rows.len(), roughness_row_count(&knots));
+            let (matrix, rows) = (roughness_matrix(&knots, order), roughness_rows(&knots, order));
+            assert_eq!(rows.len(), roughness_row_count(&knots, order));
             let unknowns = matrix.shape().unknowns();
             let largest = matrix.diagonal().iter().fold(0.0_f64, |m, v| m.max(*v));
             for u in 0..unknowns {

@@ -14,7 +14,7 @@ use super::contraction::{Contraction, IMAGES, check_axis};
 use super::error::{PlanError, check_weights};
 use super::pixel::Pixel;
 use crate::fit::Free;
-use crate::observation::{GridSites, roughness_matrix};
+use crate::observation::{GridSites, RoughnessOrder, roughness_matrix};
 use palpate_numeric::bspline::Knots;
 use palpate_numeric::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, assemble};
 use palpate_numeric::solve::Cholesky;
@@ -193,7 +193,7 @@ impl MaskedPlan {
 
 impl Gaps {
     fn new(free: Free, knots: &[Knots; 2]) -> Result<Gaps, PlanError> {
-        let penalty = roughness_matrix(knots);
+        let penalty = roughness_matrix(knots, RoughnessOrder::Second);
         let mut smooth = Cholesky::plan(penalty.shape())?;
         smooth.factor(&free.keep(&penalty))?;
         let zeros = vec![0.0; penalty.order()];

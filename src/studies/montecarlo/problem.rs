@@ -1,7 +1,7 @@
 //! The fit of a study's contacts in the patch that stands still: knots, frame, weights, and the nominal contacts.
 
 use palpate_fitting::fit::{Fit, FitError, MethodUsed, NoiseSource};
-use palpate_fitting::observation::{ScatteredSites, linearise_normals};
+use palpate_fitting::observation::{Roughness, ScatteredSites, linearise_normals};
 use palpate_geometry::contact::{Contacts, Frame, Orientation};
 use palpate_numeric::bspline::Knots;
 use palpate_numeric::linalg::{RowWeights, SiteWeights, StencilMatrix, Targets, assemble, normal_rhs};
@@ -27,7 +27,7 @@ pub(super) struct Problem {
     knots: [Knots; 2],
     frame: Frame,
     rows: Rows,
-    roughness: Option<(f64, StencilMatrix)>,
+    roughness: Option<Roughness>,
     points: Vec<[f64; 3]>,
     normals: Vec<[f64; 3]>,
     /// Slopes of the nominal surface at the nominal sites.
@@ -90,7 +90,7 @@ impl Problem {
     }
 
     /// The penalty.
-    pub(super) fn roughness(&self) -> Option<&(f64, StencilMatrix)> {
+    pub(super) fn roughness(&self) -> Option<&Roughness> {
         self.roughness.as_ref()
     }
 
@@ -168,7 +168,7 @@ impl Problem {
         let shape = palpate_numeric::linalg::Sites::shape(sites);
         let mut matrix = StencilMatrix::zeros(shape);
         assemble(sites, row_weights, &mut matrix);
-        if let Some((lambda, penalty)) = &self.roughness {
+        if let Some(Roughness { lambda, penalty, .. }) = &self.roughness {
             matrix.add_scaled(*lambda, penalty);
         }
         let mut c = vec![0.0; shape.unknowns()];

@@ -261,7 +261,10 @@ fn objective(section: &Section, keys: &FitKeys) -> Result<Option<Objective>, Sce
 fn smooth(section: &Section, given: Option<WordOr<f64>>) -> Result<Option<Smooth>, SceneFileError> {
     match given {
         None => Ok(None),
-        Some(WordOr::Word(word)) => chosen(section, "smooth", &word, Smooth::WORDS, |smooth| smooth),
+        Some(WordOr::Word(word)) => match word.parse() {
+            Ok(smooth @ Smooth::Third(_)) => Ok(Some(smooth)),
+            _ => chosen(section, "smooth", &word, Smooth::WORDS, |smooth| smooth),
+        },
         Some(WordOr::Else(lambda)) => checked(section, "smooth", Some(lambda), |lambda| {
             Smooth::lambda(lambda).ok_or("a lambda of zero or more is needed")
         }),

@@ -14,6 +14,7 @@ use crate::fit::certificate::row_passes::{ColumnTotals, RowPasses};
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::solution::Solution;
 use crate::fit::solved::Solved;
+use crate::observation::Roughness;
 use palpate_numeric::linalg::{Sites, StencilMatrix};
 use palpate_numeric::simd::{RowSums, add_lanes};
 
@@ -46,7 +47,7 @@ pub(crate) struct Backward {
 pub(super) fn backward(solved: &Solved) -> Backward {
     let (equations, solution) = (&solved.fitted.equations, &solved.fitted.solution);
     let c = &solution.coefficients;
-    let penalty = equations.roughness.as_ref().map(|(lambda, p)| {
+    let penalty = equations.roughness.as_ref().map(|Roughness { lambda, penalty: p, .. }| {
         let mut bent = vec![0.0; c.len()];
         p.multiply(c, &mut bent);
         bent.iter_mut().for_each(|b| *b *= lambda);
@@ -61,7 +62,7 @@ pub(super) fn backward(solved: &Solved) -> Backward {
         None => passes.norms(&mut columns),
     }
     // the penalty is rows like those of the data: the condition is that of both, and so are residual and columns
-    let roughness = equations.roughness.as_ref().map_or_else(Vec::new, |(lambda, p)| sizes(*lambda, p, c));
+    let roughness = equations.roughness.as_ref().map_or_else(Vec::new, |rough| sizes(rough.lambda, &rough.penalty, c));
     columns.iter_mut().zip(&roughness).for_each(|(column, size)| column.size += size);
     let (bent, rough_share) = add_roughness(equations, c, penalty.as_deref(), &mut columns);
     let worst = rows.worst.iter().fold(0.0, |m: f64, v| m.max(*v));
@@ -104,7 +105,9 @@ fn add_roughness(
     penalty: Option<&[f64]>,
     columns: &mut [ColumnTotals],
 ) -> (f64, f64) {
-    let (Some((lambda, p)), Some(bent)) = (&equations.roughness, penalty) else { return (0.0, 0.0) };
+    let (Some(Roughness { lambda, penalty: p, .. }), Some(bent)) = (&equations.roughness, penalty) else {
+        return (0.0, 0.0);
+    };
     let mut share = 0.0_f64;
     for (column, d) in columns.iter_mut().zip(p.diagonal()) {
         column.norm += lambda * d;
@@ -220,7 +223,7 @@ mod tests {
         assert!(share > 0.01, "the penalty is felt: {share}");
         let (equations, c) = (fit.equations(), &fit.solution().coefficients);
         let (rows, residuals) = (to_csr(&equations.sites, &equations.row_weights), equations.residuals(c));
-        let mut sizes = sizes(lambda, &equations.roughness.as_ref().unwrap().1, c);
+        let mut sizes = sizes(lambda, &equations.roughness.as_ref().unwrap().penalty, c);
         for (r, row) in rows.row_iter().enumerate() {
             let residual = residuals[r / 3][r % 3].abs();
             row.col_indices().iter().zip(row.values()).for_each(|(&u, e)| sizes[u] += e.abs() * residual);

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::fit::placing::sites::DataSites;
-use crate::observation::{CellAssembly, PackedCells, PackedRows, kronecker_normal_matrix};
+use crate::observation::{CellAssembly, PackedCells, PackedRows, Roughness, kronecker_normal_matrix};
 use palpate_numeric::linalg::{
     RowWeights, SiteWeights, Sites, StencilMatrix, Targets, apply_rows, assemble, descent, normal_rhs, residuals,
     visit_grid_rows,
@@ -18,8 +18,8 @@ pub struct Equations {
     pub row_weights: RowWeights,
     /// Weighted right-hand sides.
     pub targets: Targets,
-    /// `lambda` and `P` of the roughness penalty, if there is one.
-    pub roughness: Option<(f64, StencilMatrix)>,
+    /// The roughness penalty, if there is one.
+    pub roughness: Option<Roughness>,
     /// Weights and targets of many scattered contacts, packed by knot cells at the first visit.
     packed: OnceLock<Arc<PackedRows>>,
 }
@@ -47,12 +47,7 @@ pub(crate) fn only(row_weights: &RowWeights, kind: RowKind) -> RowWeights {
 
 impl Equations {
     /// These rows, not packed yet.
-    pub fn new(
-        sites: DataSites,
-        row_weights: RowWeights,
-        targets: Targets,
-        roughness: Option<(f64, StencilMatrix)>,
-    ) -> Equations {
+    pub fn new(sites: DataSites, row_weights: RowWeights, targets: Targets, roughness: Option<Roughness>) -> Equations {
         Equations { sites, row_weights, targets, roughness, packed: OnceLock::new() }
     }
 
@@ -78,7 +73,7 @@ impl Equations {
     }
 
     /// The same rows under another roughness penalty, or none.
-    pub fn with_roughness(&self, roughness: Option<(f64, StencilMatrix)>) -> Equations {
+    pub fn with_roughness(&self, roughness: Option<Roughness>) -> Equations {
         Equations { roughness, ..self.clone() }
     }
 
@@ -95,8 +90,8 @@ impl Equations {
     /// `E'E + lambda P`, from Kronecker Grams where a grid's weights allow it.
     pub fn normal_matrix(&self) -> StencilMatrix {
         let mut matrix = data_normal_matrix(&self.sites, &self.row_weights);
-        if let Some((lambda, penalty)) = &self.roughness {
-            matrix.add_scaled(*lambda, penalty);
+        if let Some(rough) = &self.roughness {
+            matrix.add_scaled(rough.lambda, &rough.penalty);
         }
         matrix
     }
@@ -163,7 +158,7 @@ impl Equations {
             Some((cells, rows)) => cells.descent(rows, c, &mut out),
             None => descent(&self.sites, &self.row_weights, &self.targets, c, &mut out),
         }
-        if let Some((lambda, penalty)) = &self.roughness {
+        if let Some(Roughness { lambda, penalty, .. }) = &self.roughness {
             let mut bent = vec![0.0; c.len()];
             penalty.multiply(c, &mut bent);
             out.iter_mut().zip(&bent).for_each(|(o, b)| *o -= lambda * b);

@@ -20,7 +20,7 @@ use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free_unknowns::Free;
 use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::solution::{BEYOND_CHOLESKY, Solution};
-use crate::observation::{roughness_matrix, roundings};
+use crate::observation::{RoughnessOrder, roughness_matrix, roundings};
 use palpate_numeric::linalg::{RowWeights, SiteWeights, StencilMatrix, apply_rows, inverse_norm1_estimate};
 use palpate_numeric::solve::{Cholesky, Factor, SolveError};
 
@@ -56,7 +56,7 @@ pub(super) fn solve_with_gaps(equations: &Equations, solution: &mut Solution, fr
         return Ok(());
     }
     solution.reasons.push(Reason::Gap { coefficients: free.count() });
-    let penalty = roughness_matrix(&equations.sites.knots());
+    let penalty = roughness_matrix(&equations.sites.knots(), RoughnessOrder::Second);
     let mut smooth = Cholesky::plan(penalty.shape())?;
     smooth.factor(&free.keep(&penalty))?;
     if smooth.condition() > BEYOND_CHOLESKY {

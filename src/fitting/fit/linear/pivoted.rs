@@ -12,7 +12,7 @@ use crate::fit::linear::free_unknowns::Free;
 use crate::fit::linear::reasons::Reason;
 use crate::fit::linear::solution::Solution;
 use crate::fit::options::method::MethodUsed;
-use crate::observation::{roughness_matrix, roughness_rows, to_csr};
+use crate::observation::{Roughness, RoughnessOrder, roughness_matrix, roughness_rows, to_csr};
 use palpate_numeric::linalg::{Eigen, StencilMatrix, dot, eigen};
 use palpate_numeric::solve::PivotedQr;
 
@@ -36,7 +36,11 @@ pub(super) fn by_pivoted_qr(
         }
         let null_space = factor.null_space();
         unsupported.extend(moved_by(&null_space));
-        smooth_along(&roughness_matrix(&equations.sites.knots()), &null_space, &mut coefficients)?;
+        smooth_along(
+            &roughness_matrix(&equations.sites.knots(), RoughnessOrder::Second),
+            &null_space,
+            &mut coefficients,
+        )?;
     }
     unsupported.sort_unstable();
     unsupported.dedup();
@@ -63,8 +67,8 @@ fn factor_rows(equations: &Equations, free: &Free) -> Result<PivotedQr, FitError
     let filled: Vec<usize> = (0..e.nrows()).filter(|&r| e.row(r).nnz() > 0).collect();
     // slope rows do not see the constant: a row of its own sets the sum of the coefficients to zero
     let constant = free.pinned().is_some();
-    let rough =
-        equations.roughness.as_ref().map(|(lambda, _)| (lambda.sqrt(), roughness_rows(&equations.sites.knots())));
+    let rows_of = |rough: &Roughness| (rough.lambda.sqrt(), roughness_rows(&equations.sites.knots(), rough.order));
+    let rough = equations.roughness.as_ref().map(rows_of);
     let bends = rough.as_ref().map_or(0, |(_, bends)| bends.len());
     let rows = filled.len() + bends + usize::from(constant);
     let mut values = vec![0.0; rows * unknowns];

@@ -70,7 +70,8 @@ pub(super) fn by_qr(
 
 /// Rows of the dense factor: those of the data, and those whose squares are the roughness.
 fn dense_rows(equations: &Equations) -> usize {
-    let of_roughness = equations.roughness.as_ref().map_or(0, |_| roughness_row_count(&equations.sites.knots()));
+    let of_roughness =
+        equations.roughness.as_ref().map_or(0, |rough| roughness_row_count(&equations.sites.knots(), rough.order));
     equations.count().saturating_add(of_roughness)
 }
 

@@ -88,8 +88,8 @@ impl NormalProblem<'_> {
             below[site.index] = site.part(site.values.map(|k| (k - rho).max(0.0)));
         });
         let mut matrix = data_normal_matrix(self.sites, &RowWeights::PerSite(above));
-        if let Some((lambda, penalty)) = &self.roughness {
-            matrix.add_scaled(rho * lambda, penalty);
+        if let Some(rough) = &self.roughness {
+            matrix.add_scaled(rho * rough.lambda, &rough.penalty);
         }
         let rounding = ROUNDINGS * f64::EPSILON * matrix.order() as f64;
         let sizes = matrix.diagonal();

@@ -13,8 +13,8 @@ use crate::fit::noise::sds::RowSds;
 use crate::fit::objective::budget::Budget;
 use crate::fit::placing::sites::DataSites;
 use crate::fit::{FitError, Method};
-use crate::observation::{Measured, angular_residual_squared, linearise_normals};
-use palpate_numeric::linalg::{RowWeights, SiteWeights, Sites, StencilMatrix, Targets, dot, visit_values};
+use crate::observation::{Measured, Roughness, angular_residual_squared, linearise_normals};
+use palpate_numeric::linalg::{RowWeights, SiteWeights, Sites, Targets, dot, visit_values};
 
 /// Steps at most: with poor normals each step is a third of the last, so 1e-10 takes some 25; after 200 there is no minimum
 /// nearby.
@@ -61,7 +61,7 @@ impl Minimum {
 }
 
 /// `lambda c'Pc`.
-fn roughness_of((lambda, penalty): &(f64, StencilMatrix), c: &[f64]) -> f64 {
+fn roughness_of(Roughness { lambda, penalty, .. }: &Roughness, c: &[f64]) -> f64 {
     let mut bent = vec![0.0; c.len()];
     penalty.multiply(c, &mut bent);
     lambda * dot(c, &bent)
@@ -75,8 +75,8 @@ pub(super) struct NormalProblem<'a> {
     pub measured: &'a Measured,
     /// Noise sds.
     pub sds: RowSds,
-    /// `lambda` and `P` of the roughness penalty.
-    pub roughness: Option<(f64, StencilMatrix)>,
+    /// The roughness penalty.
+    pub roughness: Option<Roughness>,
     /// Linear solver.
     pub method: Method,
     /// Steps that are left to all loops of the fit.

@@ -5,8 +5,8 @@ use crate::fit::objective::budget::Budget;
 use crate::fit::placing::Patch;
 use crate::fit::placing::sites::DataSites;
 use crate::fit::{FitError, FitOptions, Method, Smooth};
-use crate::observation::{Data, roughness_matrix};
-use palpate_numeric::linalg::{Sites, StencilMatrix};
+use crate::observation::{Data, Roughness, RoughnessOrder};
+use palpate_numeric::linalg::Sites;
 
 /// Data, their sites, and how their rows are solved.
 pub(super) struct Setting<'a> {
@@ -17,7 +17,7 @@ pub(super) struct Setting<'a> {
     /// Length unit of the patch.
     pub scale: f64,
     /// `lambda` and `P` of the roughness penalty.
-    pub roughness: Option<(f64, StencilMatrix)>,
+    pub roughness: Option<Roughness>,
     /// Linear solver.
     pub method: Method,
     /// Steps that are left to all loops of the fit.
@@ -47,7 +47,10 @@ impl Setting<'_> {
         let sites = data.sites(patch);
         // the penalty is the same number in patch and input units: S_xx squared scales by 1/L^2, the area by L^2
         let roughness = match options.smooth {
-            Smooth::Lambda(lambda) if lambda > 0.0 => Some((lambda, roughness_matrix(&patch.knots))),
+            Smooth::Lambda(lambda) if lambda > 0.0 => {
+                Some(Roughness::new(lambda, &patch.knots, RoughnessOrder::Second))
+            }
+            Smooth::Third(lambda) if lambda > 0.0 => Some(Roughness::new(lambda, &patch.knots, RoughnessOrder::Third)),
             _ => None,
         };
         Ok(Setting { data, sites, scale: patch.frame.scale, roughness, method: options.method, budget })

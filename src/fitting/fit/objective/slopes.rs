@@ -74,7 +74,7 @@ fn trial(setting: &Setting, weights: [f64; 3]) -> Result<(Trial, f64), FitError>
     if unit != 1.0 {
         (row_weights, targets) = setting.data.slope_rows(weights.map(|w| w * unit));
     }
-    let roughness = setting.roughness.clone().map(|(lambda, p)| (lambda * unit * unit, p));
+    let roughness = setting.roughness.as_ref().map(|rough| rough.weighing(rough.lambda * unit * unit));
     let equations = Equations::new(setting.sites.clone(), row_weights, targets, roughness);
     check_count(&equations)?;
     let solution = linear::solve(&equations, setting.method)?;

@@ -157,8 +157,10 @@ impl FromStr for Smooth {
         if let Some((_, smooth)) = Smooth::WORDS.iter().find(|(word, _)| *word == text) {
             return Ok(*smooth);
         }
-        let lambda = numbers::<1>(text).and_then(|[lambda]| Smooth::lambda(lambda));
-        lambda.ok_or_else(|| unknown("none, auto or LAMBDA >= 0 such as 1e-6"))
+        let number = |text: &str| numbers::<1>(text).map(|[lambda]| lambda).filter(|l| l.is_finite() && *l >= 0.0);
+        let third = text.strip_prefix("third=").and_then(number).map(Smooth::Third);
+        let chosen = third.or_else(|| number(text).map(Smooth::Lambda));
+        chosen.ok_or_else(|| unknown("none, auto, LAMBDA >= 0 such as 1e-6, or third=LAMBDA for third derivatives"))
     }
 }
 
@@ -168,6 +170,7 @@ impl fmt::Display for Smooth {
             Smooth::None => f.write_str("none"),
             Smooth::Auto => f.write_str("auto"),
             Smooth::Lambda(lambda) => write!(f, "{lambda}"),
+            Smooth::Third(lambda) => write!(f, "third={lambda}"),
         }
     }
 }
