@@ -3,6 +3,7 @@
 //!     cargo bench --bench calibration                           2,000 bodies of every kind
 //!     cargo bench --bench calibration -- --bodies 100 --only cone --seed 5
 //!     cargo bench --bench calibration -- --cells 200            coverage by kind, part, contacts and noise: so many fits a cell
+//!     cargo bench --bench calibration -- --tuning 120           what each setting of `Tuning` moves, on so many bodies
 //!
 //! ```text
 //! rank    which of the intervals of level 1/6, 2/6 ... 5/6 still holds the truth: all six shares are 1/6 where the law is right
@@ -12,6 +13,7 @@
 
 mod cells;
 mod ranks;
+mod tuning;
 
 use palpate_laboratory::bodies::BodyKind;
 
@@ -20,6 +22,8 @@ pub(crate) struct Wishes {
     bodies: u64,
     /// Fits a cell; `None` for ranks.
     cells: Option<u64>,
+    /// Bodies on which settings are moved.
+    tuning: Option<u64>,
     seed: u64,
     only: Vec<String>,
 }
@@ -33,15 +37,16 @@ impl Wishes {
 
 fn main() -> Result<(), String> {
     let wishes = wishes()?;
-    match wishes.cells {
-        Some(fits) => cells::print(&wishes, fits),
-        None => ranks::print(&wishes),
+    match (wishes.tuning, wishes.cells) {
+        (Some(count), _) => return tuning::print(&wishes, count),
+        (None, Some(fits)) => cells::print(&wishes, fits),
+        (None, None) => ranks::print(&wishes),
     }
     Ok(())
 }
 
 fn wishes() -> Result<Wishes, String> {
-    let mut wishes = Wishes { bodies: 2000, cells: None, seed: 71_300_001, only: Vec::new() };
+    let mut wishes = Wishes { bodies: 2000, cells: None, tuning: None, seed: 71_300_001, only: Vec::new() };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         // cargo adds it for every bench
@@ -53,9 +58,10 @@ fn wishes() -> Result<Wishes, String> {
         match word.as_str() {
             "--bodies" => wishes.bodies = number()?,
             "--cells" => wishes.cells = Some(number()?),
+            "--tuning" => wishes.tuning = Some(number()?),
             "--seed" => wishes.seed = number()?,
             "--only" => wishes.only.push(value.clone()),
-            _ => return Err(format!("{word} is not known: --bodies, --cells, --seed, --only")),
+            _ => return Err(format!("{word} is not known: --bodies, --cells, --tuning, --seed, --only")),
         }
     }
     Ok(wishes)
