@@ -19,7 +19,7 @@ use statrs::function::gamma::ln_gamma;
 
 use super::departure::{DepartureOver, DepartureProcess};
 use super::division::log_division;
-use super::mode::{Mode, log_false};
+use super::mode::{Mode, is_possible, log_false};
 use super::prior::{log_prior, widths};
 use super::rows::{BaseRows, RowGrams};
 use super::sample::BodySample;
@@ -235,6 +235,25 @@ impl<'a> LinearisedBase<'a> {
             departure_rms,
             freedom: self.freedom(),
         })
+    }
+
+    /// Whether distances are linear over a node's step, so that its evidence is that of a body: where they are not what the equations say
+    /// they are, by more than a contact scatters, the step leads elsewhere.
+    pub(super) fn is_linear(&self, node: &BodyHypothesis) -> bool {
+        let (step, rows) = (node.step(), &self.plain.of[0]);
+        let primitive = moved(&self.primitive, step);
+        if !is_possible(&primitive) {
+            return false;
+        }
+        let unknowns = step.len();
+        let of_squares = |i: usize| {
+            let own: f64 = step.iter().enumerate().map(|(j, s)| s * rows[(i, j)]).sum();
+            step[i] * (own + 2.0 * rows[(i, unknowns)])
+        };
+        let expected = rows[(unknowns, unknowns)] + (0..unknowns).map(of_squares).sum::<f64>();
+        let found: f64 = self.members.iter().map(|&i| primitive.nearest(self.sample.points[i]).0.powi(2)).sum();
+        let rms = |sum: f64| (sum.max(0.0) / self.rows[0].max(1.0)).sqrt();
+        (rms(found) - rms(expected)).abs() <= node.scatter()
     }
 
     fn freedom(&self) -> f64 {

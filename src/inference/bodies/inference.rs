@@ -143,8 +143,7 @@ fn posterior(modes: &[Mode], sample: &BodySample, tuning: &Tuning) -> Option<Bod
     let (mut primitives, mut members, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
     for (base, found) in judged {
         let (base, mut found) = about_its_best(base, found, best, tuning);
-        // a step to what is no body leaves the region in which distances are linear
-        found.retain(|node| is_possible(&moved(&base.primitive, node.step())));
+        found.retain(|node| base.is_linear(node));
         let prior = kind_prior(base.primitive.kind, tuning);
         found.iter_mut().for_each(|node| (node.of, node.log_evidence) = (primitives.len(), node.log_evidence + prior));
         nodes.extend(found);
