@@ -71,12 +71,6 @@ impl<'a> CellSum<'a> {
         let from = self.layout.sets * self.layout.set_len() + kind * len;
         &self.values[from..from + len]
     }
-
-    /// Weighted squares and counts: heights, then slopes.
-    pub(crate) fn scalars(&self) -> [f64; SCALARS] {
-        let from = self.values.len() - SCALARS;
-        std::array::from_fn(|k| self.values[from + k])
-    }
 }
 
 /// The sums of all leaves of a space.

@@ -142,7 +142,7 @@ impl SelectedInverse {
         let place = if row < end { row - begin } else { end - begin + below.binary_search(&row).ok()? };
         let height = end - begin + below.len();
         let value = self.values[self.value_starts[s] + (column - begin) * height + place];
-        Some(value * self.scale[i] * self.scale[j])
+        Some(value * (self.scale[i] * self.scale[j]))
     }
 
     /// `tr A^-1 B` for a matrix B within the pattern, by the values of its upper triangle in compressed columns.

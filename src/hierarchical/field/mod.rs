@@ -4,6 +4,8 @@
 //! S(x, y) = sum_ab C_Q[a][b] N^l_a(x) M^l_b(y),   C_Q = E_Q c kept for every cell Q
 //! ```
 
+mod embedding;
+
 use std::sync::Arc;
 
 use crate::error::HierarchyError;

@@ -1,0 +1,226 @@
+//! Rounds of fitting and splitting until nothing but noise is left.
+//!
+//! ```text
+//! fit -> residuals -> local scales -> which cells hold more than noise? -> split them and what must be split with them -> fit ...
+//! ```
+//!
+//! A round costs two passes over the contacts and a few factorisations. The surface at hand goes over into the finer space as it is, and
+//! every fit is a step from it.
+
+use std::sync::Arc;
+
+use super::local_scale::{LocalScales, shares};
+use super::marginal_likelihood::StepEquations;
+use super::options::{AdaptiveOptions, OutlierRule, RowNoise};
+use super::split_test::{SplitTest, discoveries};
+use super::system::{FitWork, System, timed};
+use crate::equations::{BlockWeights, CellSums, Residuals, SortedContacts};
+use crate::error::HierarchyError;
+use crate::field::HierarchicalField;
+use crate::mesh::Mesh;
+use crate::space::HierarchicalSpace;
+use palpate_numeric::statistics::VarianceComponent;
+
+/// Likelihoods asked for when nothing is known of lambda, and when that of the round before is.
+const FIRST_SEARCH: usize = 14;
+const LATER_SEARCH: usize = 4;
+/// Fits without what was rejected: rejections settle in two or three.
+const MOST_REJECTIONS: usize = 4;
+/// Rounds beyond the deepest level: neighbours of a feature follow it late.
+const LATE_ROUNDS: usize = 6;
+
+/// One round, for whoever wants to see how the cells came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RefinementRound {
+    /// Unsplit cells of the round.
+    pub cells: usize,
+    /// Functions.
+    pub unknowns: usize,
+    /// Cells that hold more than noise.
+    pub split: usize,
+}
+
+/// A fit under way.
+#[derive(Debug)]
+pub(super) struct Refinement<'a> {
+    pub options: &'a AdaptiveOptions,
+    pub contacts: &'a SortedContacts,
+    pub field: HierarchicalField,
+    pub residuals: Residuals,
+    pub shares: Option<Vec<f64>>,
+    pub weights: BlockWeights,
+    pub lambda: Option<f64>,
+    /// Variance of a row of weight 1.
+    pub variance: f64,
+    pub rounds: Vec<RefinementRound>,
+    pub work: FitWork,
+}
+
+impl<'a> Refinement<'a> {
+    /// The surface z = 0 over the base grid.
+    pub(super) fn begin(
+        options: &'a AdaptiveOptions,
+        contacts: &'a SortedContacts,
+        mesh: Mesh,
+        weights: BlockWeights,
+    ) -> Result<Refinement<'a>, HierarchyError> {
+        let space = Arc::new(HierarchicalSpace::new(mesh));
+        let flat = vec![0.0; space.unknowns()];
+        let field = HierarchicalField::new(space, flat)?;
+        let residuals = Residuals::of(contacts, &field);
+        Ok(Refinement {
+            options,
+            contacts,
+            field,
+            residuals,
+            shares: None,
+            weights,
+            lambda: None,
+            variance: 0.0,
+            rounds: Vec::new(),
+            work: FitWork::default(),
+        })
+    }
+
+    /// Fits and splits until no cell holds more than noise, then without outliers. The factor is left as that of the last fit.
+    pub(super) fn run(&mut self) -> Result<System, HierarchyError> {
+        let most = self.options.deepest_level + LATE_ROUNDS;
+        loop {
+            let mut system = self.system()?;
+            let search = if self.rounds.is_empty() { FIRST_SEARCH } else { LATER_SEARCH };
+            self.step(&mut system, search)?;
+            // normals are linear about the surface only, and shares belong to it
+            self.downweigh();
+            self.step(&mut system, 0)?;
+            let split = self.to_split();
+            let (cells, unknowns) = (system.space.leaves().len(), system.space.unknowns());
+            self.rounds.push(RefinementRound { cells, unknowns, split: split.len() });
+            if split.is_empty() || unknowns > self.options.most_unknowns || self.rounds.len() > most {
+                self.reject(&mut system)?;
+                return Ok(system);
+            }
+            self.split(&system.space, &split)?;
+        }
+    }
+
+    fn system(&mut self) -> Result<System, HierarchyError> {
+        System::plan(self.field.space().clone(), self.options.roughness_order, &mut self.work)
+    }
+
+    /// One step from the surface at hand; `search` likelihoods are asked for lambda, none: it stays.
+    pub(super) fn step(&mut self, system: &mut System, search: usize) -> Result<(), HierarchyError> {
+        let degree = system.space.mesh().levels().degree();
+        let Refinement { contacts, field, residuals, shares, weights, work, .. } = self;
+        let sums = timed(&mut work.passes, || {
+            let mut sums = CellSums::empty(system.space.leaves().len(), degree, contacts);
+            sums.add(contacts, field, residuals, shares.as_deref());
+            sums
+        });
+        let (matrix, load) = timed(&mut work.assembly, || system.pattern.assemble(&system.space, &sums, *weights));
+        let [squares, rows, slope_squares, slope_rows] = sums.totals();
+        drop(sums);
+        let equations = StepEquations {
+            pattern: &system.pattern,
+            matrix: &matrix,
+            roughness: &system.roughness,
+            load: &load,
+            coefficients: field.coefficients(),
+            squares: weights.heights * squares + weights.slopes * slope_squares,
+            rows: rows + 2.0 * slope_rows,
+            smooth: if self.options.roughness_order == 2 { 3.0 } else { 6.0 },
+        };
+        let step = timed(&mut work.factorisation, || equations.solve(&mut system.factor, self.lambda, search))?;
+        work.factorisations += step.factorisations;
+        let moved = field.coefficients().iter().zip(&step.delta).map(|(c, d)| c + d).collect();
+        *field = HierarchicalField::new(system.space.clone(), moved)?;
+        *residuals = timed(&mut work.passes, || Residuals::of(contacts, field));
+        (self.lambda, self.variance) = (Some(step.lambda), step.variance);
+        self.weigh([0.0; 2]);
+        Ok(())
+    }
+
+    /// The two kinds of rows by their variances; `traces` are the degrees of freedom that the surface took of each.
+    pub(super) fn weigh(&mut self, traces: [f64; 2]) {
+        if self.residuals.slopes.is_empty() || self.options.noise != RowNoise::Estimated {
+            return;
+        }
+        let [heights, slopes] = self.components(traces).map(|component| component.sd(1.0).unwrap_or(0.0));
+        if heights > 0.0 && slopes > 0.0 {
+            // beyond rounding of either kind the ratio means nothing
+            self.weights = BlockWeights { heights: 1.0, slopes: (heights / slopes).powi(2).clamp(1e-16, 1e16) };
+        }
+    }
+
+    /// Squares and rows of heights and of slopes.
+    pub(super) fn components(&self, traces: [f64; 2]) -> [VarianceComponent; 2] {
+        let weights = self.contacts.contacts().weights.z.as_deref();
+        let mut sums = [[0.0; 2]; 2];
+        for r in 0..self.contacts.len() {
+            let share = self.shares.as_ref().map_or(1.0, |s| s[r]);
+            let w = weights.map_or(1.0, |w| w[r]);
+            sums[0][0] += share * (w * self.residuals.heights[r]).powi(2);
+            sums[0][1] += if w > 0.0 { share } else { 0.0 };
+            if let Some([first, second]) = self.residuals.slopes.get(r) {
+                sums[1][0] += share * (first * first + second * second);
+                sums[1][1] += 2.0 * share;
+            }
+        }
+        [0, 1].map(|k| VarianceComponent { squares: sums[k][0], rows: sums[k][1], trace: traces[k] })
+    }
+
+    /// Shares for the fits while cells are split.
+    fn downweigh(&mut self) {
+        let OutlierRule::Reject { clip, .. } = self.options.outliers else { return };
+        let Refinement { contacts, field, residuals, work, .. } = self;
+        self.shares = Some(timed(&mut work.passes, || {
+            let scales = LocalScales::of(field.space(), contacts, residuals);
+            shares(field.space(), contacts, residuals, &scales, |t| if t > clip { clip / t } else { 1.0 })
+        }));
+    }
+
+    /// The last fits: without the contacts that lie too far off, until these are the same twice.
+    fn reject(&mut self, system: &mut System) -> Result<(), HierarchyError> {
+        let OutlierRule::Reject { reject, .. } = self.options.outliers else { return self.step(system, LATER_SEARCH) };
+        for k in 0..MOST_REJECTIONS {
+            let Refinement { contacts, field, residuals, work, .. } = self;
+            let made = timed(&mut work.passes, || {
+                let scales = LocalScales::of(field.space(), contacts, residuals);
+                shares(field.space(), contacts, residuals, &scales, |t| if t > reject { 0.0 } else { 1.0 })
+            });
+            if self.shares.as_ref() == Some(&made) {
+                break;
+            }
+            self.shares = Some(made);
+            self.step(system, if k == 0 { LATER_SEARCH } else { 0 })?;
+        }
+        Ok(())
+    }
+
+    /// Numbers of the leaves that hold more than noise.
+    fn to_split(&mut self) -> Vec<usize> {
+        let Refinement { options, contacts, field, residuals, work, .. } = self;
+        let clip = match options.outliers {
+            OutlierRule::Keep => f64::MAX,
+            OutlierRule::Reject { clip, .. } => clip,
+        };
+        timed(&mut work.passes, || {
+            let scales = LocalScales::of(field.space(), contacts, residuals);
+            let (least_contacts, deepest_level) = (options.least_contacts, options.deepest_level);
+            let (space, scales) = (field.space(), &scales);
+            let test = SplitTest { space, contacts, residuals, scales, clip, least_contacts, deepest_level };
+            discoveries(&test.significances(), options.false_discovery_rate)
+        })
+    }
+
+    fn split(&mut self, space: &HierarchicalSpace, leaves: &[usize]) -> Result<(), HierarchyError> {
+        let Refinement { contacts, field, residuals, work, .. } = self;
+        *field = timed(&mut work.assembly, || {
+            let mut mesh = space.mesh().clone();
+            leaves.iter().try_for_each(|leaf| mesh.refine(space.leaves()[*leaf]))?;
+            field.embedded(Arc::new(HierarchicalSpace::new(mesh)))
+        })?;
+        // the surface is the same; only rounding differs
+        *residuals = timed(&mut work.passes, || Residuals::of(contacts, field));
+        Ok(())
+    }
+}

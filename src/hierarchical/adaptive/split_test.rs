@@ -1,0 +1,151 @@
+//! Does a cell hold more than noise? Residuals of neighbouring contacts against each other, box by box inside of the cell.
+//!
+//! ```text
+//! F = [ sum_b n_b mean_b^2 / B ] / [ sum_b sum_(r in b) (r - mean_b)^2 / (n - B) ]      B boxes of 4 x 4 (few contacts: 2 x 2) with contacts
+//! ```
+//!
+//! Under noise alone F is Fisher's with B and n - B degrees of freedom whatever the noise of the cell is; the fit has taken part of the
+//! numerator, which makes the test careful. Where the surface cannot follow, neighbours lie off together and F is large. Residuals are
+//! clipped at a few local scales, so that outliers neither cause a split nor hide one. Cells are chosen by the step-up rule of
+//! Y. Benjamini and Y. Hochberg (1995): of those split, the expected share that is noise is bounded.
+
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
+use super::local_scale::LocalScales;
+use crate::equations::{Residuals, SortedContacts};
+use crate::space::HierarchicalSpace;
+use palpate_numeric::threads;
+
+/// Boxes along a side.
+const SIDE: usize = 4;
+/// Contacts from which on 4 x 4 boxes are used: five a box.
+const CONTACTS_OF_FINE_BOXES: usize = 80;
+/// Leaves that one thread takes at a time.
+const PIECE: usize = 64;
+
+/// What is tested, and how.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SplitTest<'a> {
+    pub space: &'a HierarchicalSpace,
+    pub contacts: &'a SortedContacts,
+    pub residuals: &'a Residuals,
+    pub scales: &'a LocalScales,
+    /// Residuals are clipped at so many local scales.
+    pub clip: f64,
+    pub least_contacts: usize,
+    pub deepest_level: usize,
+}
+
+/// Count, sum and sum of squares of a box.
+type BoxSums = [[f64; 3]; SIDE * SIDE];
+
+impl SplitTest<'_> {
+    /// Significance of every leaf; 1 where it cannot be split.
+    pub(crate) fn significances(&self) -> Vec<f64> {
+        threads::map(self.space.leaves().len(), PIECE, |leaf| self.significance(leaf))
+    }
+
+    fn significance(&self, leaf: usize) -> f64 {
+        let cell = self.space.leaves()[leaf];
+        let range = self.contacts.of_cell(self.space.mesh(), cell);
+        if range.len() < self.least_contacts || usize::from(cell.level) >= self.deepest_level {
+            return 1.0;
+        }
+        let heights = self.of_kind(leaf, self.scales.heights[leaf], |r| self.residuals.heights[r]);
+        if self.residuals.slopes.is_empty() {
+            return heights;
+        }
+        let slopes = [0, 1].map(|k| self.of_kind(leaf, self.scales.slopes[leaf], |r| self.residuals.slopes[r][k]));
+        // Bonferroni: three tests of one cell
+        (3.0 * heights.min(slopes[0]).min(slopes[1])).min(1.0)
+    }
+
+    /// Significance of one kind of residuals.
+    fn of_kind(&self, leaf: usize, scale: f64, residual: impl Fn(usize) -> f64) -> f64 {
+        if scale.is_nan() || scale <= 0.0 {
+            return 1.0;
+        }
+        let cell = self.space.leaves()[leaf];
+        let range = self.contacts.of_cell(self.space.mesh(), cell);
+        let [centre, half] = self.space.mesh().centre_and_half(cell);
+        let columns = self.contacts.contacts();
+        let side = if range.len() >= CONTACTS_OF_FINE_BOXES { SIDE } else { SIDE / 2 };
+        let place = |x: f64, axis: usize| {
+            let along = ((x - centre[axis]) / half[axis] + 1.0) * 0.5 * side as f64;
+            (along as usize).min(side - 1)
+        };
+        let limit = self.clip * scale;
+        let mut boxes: BoxSums = [[0.0; 3]; SIDE * SIDE];
+        for r in range {
+            if columns.weights.z.as_ref().is_some_and(|w| w[r] == 0.0) {
+                continue;
+            }
+            let value = residual(r).clamp(-limit, limit);
+            let sums = &mut boxes[place(columns.x[r], 0) * SIDE + place(columns.y[r], 1)];
+            sums[0] += 1.0;
+            sums[1] += value;
+            sums[2] += value * value;
+        }
+        fisher(&boxes)
+    }
+}
+
+/// How rarely noise alone gives means so far from zero.
+fn fisher(boxes: &BoxSums) -> f64 {
+    let (mut count, mut filled, mut between, mut all) = (0.0, 0.0, 0.0, 0.0);
+    for [n, sum, squares] in boxes.iter().filter(|sums| sums[0] > 0.0) {
+        count += n;
+        filled += 1.0;
+        between += sum * sum / n;
+        all += squares;
+    }
+    let freedom = count - filled;
+    if freedom < 1.0 || all <= 0.0 {
+        return 1.0;
+    }
+    let within = (all - between).max(f64::EPSILON * all);
+    let ratio = between / filled / (within / freedom);
+    FisherSnedecor::new(filled, freedom).map_or(1.0, |law| law.sf(ratio))
+}
+
+/// The leaves to split: the largest set in which at most the share `rate` is expected to be chance.
+pub(crate) fn discoveries(significances: &[f64], rate: f64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..significances.len()).filter(|k| significances[*k] <= rate).collect();
+    order.sort_by(|a, b| significances[*a].total_cmp(&significances[*b]).then(a.cmp(b)));
+    let tested = significances.iter().filter(|p| **p < 1.0).count() as f64;
+    let passes = |k: &usize| significances[order[*k]] <= rate * (k + 1) as f64 / tested;
+    let count = (0..order.len()).rev().find(passes).map_or(0, |k| k + 1);
+    order.truncate(count);
+    order.sort_unstable();
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_numeric::draws::Lcg;
+
+    #[test]
+    fn chance_is_as_rare_as_it_says() {
+        let mut draw = Lcg::new(21);
+        let (mut below, trials) = (0, 4000);
+        for _ in 0..trials {
+            let mut boxes: BoxSums = [[0.0; 3]; SIDE * SIDE];
+            for k in 0..100 {
+                let v = draw.normal();
+                let sums = &mut boxes[k % 16];
+                *sums = [sums[0] + 1.0, sums[1] + v, sums[2] + v * v];
+            }
+            below += usize::from(fisher(&boxes) < 0.05);
+        }
+        // 200 expected, standard deviation 14
+        assert!((150..=250).contains(&below), "{below}");
+    }
+
+    #[test]
+    fn discoveries_step_up() {
+        assert_eq!(discoveries(&[0.001, 0.5, 0.02, 0.9, 1.0], 0.05), [0, 2]);
+        assert_eq!(discoveries(&[0.02, 0.5, 0.04, 0.9], 0.01), [] as [usize; 0]);
+        assert_eq!(discoveries(&[], 0.01), [] as [usize; 0]);
+    }
+}
