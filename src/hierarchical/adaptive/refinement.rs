@@ -7,17 +7,18 @@
 //! A round costs two passes over the contacts and a few factorisations. The surface at hand goes over into the finer space as it is, and
 //! every fit is a step from it.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::local_scale::{LocalScales, shares};
 use super::marginal_likelihood::StepEquations;
 use super::options::{AdaptiveOptions, OutlierRule, RowNoise};
-use super::split_test::{SplitTest, discoveries};
+use super::split_test::{SplitTest, cells_to_split};
 use super::system::{FitWork, System, timed};
 use crate::equations::{BlockWeights, CellSums, Residuals, SortedContacts};
 use crate::error::HierarchyError;
 use crate::field::HierarchicalField;
-use crate::mesh::Mesh;
+use crate::mesh::{CellId, Mesh};
 use crate::space::HierarchicalSpace;
 use palpate_numeric::statistics::VarianceComponent;
 
@@ -52,6 +53,8 @@ pub(super) struct Refinement<'a> {
     pub lambda: Option<f64>,
     /// Variance of a row of weight 1.
     pub variance: f64,
+    /// Cells that were split because they held more than noise.
+    suspected: BTreeSet<CellId>,
     pub rounds: Vec<RefinementRound>,
     pub work: FitWork,
 }
@@ -77,6 +80,7 @@ impl<'a> Refinement<'a> {
             weights,
             lambda: None,
             variance: 0.0,
+            suspected: BTreeSet::new(),
             rounds: Vec::new(),
             work: FitWork::default(),
         })
@@ -198,7 +202,7 @@ impl<'a> Refinement<'a> {
 
     /// Numbers of the leaves that hold more than noise.
     fn to_split(&mut self) -> Vec<usize> {
-        let Refinement { options, contacts, field, residuals, work, .. } = self;
+        let Refinement { options, contacts, field, residuals, suspected, work, .. } = self;
         let clip = match options.outliers {
             OutlierRule::Keep => f64::MAX,
             OutlierRule::Reject { clip, .. } => clip,
@@ -208,7 +212,10 @@ impl<'a> Refinement<'a> {
             let (least_contacts, deepest_level) = (options.least_contacts, options.deepest_level);
             let (space, scales) = (field.space(), &scales);
             let test = SplitTest { space, contacts, residuals, scales, clip, least_contacts, deepest_level };
-            discoveries(&test.significances(), options.false_discovery_rate)
+            let rates = [options.false_discovery_rate, options.significance_of_children];
+            let split = cells_to_split(space.leaves(), &test.significances(), suspected, rates);
+            suspected.extend(split.iter().map(|leaf| space.leaves()[*leaf]));
+            split
         })
     }
 

@@ -1,25 +1,32 @@
 //! Does a cell hold more than noise? Residuals of neighbouring contacts against each other, box by box inside of the cell.
 //!
 //! ```text
-//! F = [ sum_b n_b mean_b^2 / B ] / [ sum_b sum_(r in b) (r - mean_b)^2 / (n - B) ]      B boxes of 4 x 4 (few contacts: 2 x 2) with contacts
+//! F = [ sum_b n_b mean_b^2 / B ] / [ sum_b sum_(r in b) (r - mean_b)^2 / (n - B) ]      B boxes with contacts, of 2 x 2, 4 x 4, .. 32 x 32
 //! ```
 //!
 //! Under noise alone F is Fisher's with B and n - B degrees of freedom whatever the noise of the cell is; the fit has taken part of the
-//! numerator, which makes the test careful. Where the surface cannot follow, neighbours lie off together and F is large. Residuals are
-//! clipped at a few local scales, so that outliers neither cause a split nor hide one. Cells are chosen by the step-up rule of
-//! Y. Benjamini and Y. Hochberg (1995): of those split, the expected share that is noise is bounded.
+//! numerator, which makes the test careful. Where the surface cannot follow, neighbours lie off together and F is large: in wide boxes
+//! where a whole cell bends otherwise, in small ones where something small stands in it. The smallest significance counts, times the
+//! number of grids. Residuals are clipped at a few local scales, so that outliers neither cause a split nor hide one.
+//!
+//! Cells are chosen by the step-up rule of Y. Benjamini and Y. Hochberg, *J. R. Stat. Soc. B* 57 (1995) 289: of those split, the expected
+//! share that is noise is bounded. The children of a cell that was chosen are held to a significance of their own instead, because
+//! something is there (D. Yekutieli, *J. Am. Stat. Assoc.* 103 (2008) 309).
+
+use std::collections::BTreeSet;
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::local_scale::LocalScales;
 use crate::equations::{Residuals, SortedContacts};
+use crate::mesh::CellId;
 use crate::space::HierarchicalSpace;
 use palpate_numeric::threads;
 
-/// Boxes along a side.
-const SIDE: usize = 4;
-/// Contacts from which on 4 x 4 boxes are used: five a box.
-const CONTACTS_OF_FINE_BOXES: usize = 80;
+/// Boxes along a side of the finest grid.
+const MOST_BOXES: usize = 32;
+/// Contacts for each box of a grid, on average: with fewer, one box says little and Fisher's law wants gaussian noise.
+const CONTACTS_OF_BOX: usize = 5;
 /// Leaves that one thread takes at a time.
 const PIECE: usize = 64;
 
@@ -37,7 +44,7 @@ pub(crate) struct SplitTest<'a> {
 }
 
 /// Count, sum and sum of squares of a box.
-type BoxSums = [[f64; 3]; SIDE * SIDE];
+type BoxSums = [f64; 3];
 
 impl SplitTest<'_> {
     /// Significance of every leaf; 1 where it cannot be split.
@@ -69,29 +76,56 @@ impl SplitTest<'_> {
         let range = self.contacts.of_cell(self.space.mesh(), cell);
         let [centre, half] = self.space.mesh().centre_and_half(cell);
         let columns = self.contacts.contacts();
-        let side = if range.len() >= CONTACTS_OF_FINE_BOXES { SIDE } else { SIDE / 2 };
+        let mut side = finest_side(range.len());
         let place = |x: f64, axis: usize| {
             let along = ((x - centre[axis]) / half[axis] + 1.0) * 0.5 * side as f64;
             (along as usize).min(side - 1)
         };
         let limit = self.clip * scale;
-        let mut boxes: BoxSums = [[0.0; 3]; SIDE * SIDE];
+        let mut boxes = vec![[0.0; 3]; side * side];
         for r in range {
             if columns.weights.z.as_ref().is_some_and(|w| w[r] == 0.0) {
                 continue;
             }
             let value = residual(r).clamp(-limit, limit);
-            let sums = &mut boxes[place(columns.x[r], 0) * SIDE + place(columns.y[r], 1)];
-            sums[0] += 1.0;
-            sums[1] += value;
-            sums[2] += value * value;
+            add(&mut boxes[place(columns.x[r], 0) * side + place(columns.y[r], 1)], [1.0, value, value * value]);
         }
-        fisher(&boxes)
+        let (mut least, mut grids) = (fisher(&boxes), 1.0);
+        while side > 2 {
+            boxes = merged(&boxes, side);
+            side /= 2;
+            least = fisher(&boxes).min(least);
+            grids += 1.0;
+        }
+        (grids * least).min(1.0)
     }
 }
 
+/// Boxes along a side for so many contacts: a power of two.
+fn finest_side(contacts: usize) -> usize {
+    let mut side = 2;
+    while side < MOST_BOXES && 4 * side * side * CONTACTS_OF_BOX <= contacts {
+        side *= 2;
+    }
+    side
+}
+
+fn add(sums: &mut BoxSums, terms: BoxSums) {
+    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+}
+
+/// Four boxes in one.
+fn merged(boxes: &[BoxSums], side: usize) -> Vec<BoxSums> {
+    let half = side / 2;
+    let mut wide = vec![[0.0; 3]; half * half];
+    for (k, sums) in boxes.iter().enumerate() {
+        add(&mut wide[k / side / 2 * half + k % side / 2], *sums);
+    }
+    wide
+}
+
 /// How rarely noise alone gives means so far from zero.
-fn fisher(boxes: &BoxSums) -> f64 {
+fn fisher(boxes: &[BoxSums]) -> f64 {
     let (mut count, mut filled, mut between, mut all) = (0.0, 0.0, 0.0, 0.0);
     for [n, sum, squares] in boxes.iter().filter(|sums| sums[0] > 0.0) {
         count += n;
@@ -108,8 +142,30 @@ fn fisher(boxes: &BoxSums) -> f64 {
     FisherSnedecor::new(filled, freedom).map_or(1.0, |law| law.sf(ratio))
 }
 
-/// The leaves to split: the largest set in which at most the share `rate` is expected to be chance.
-pub(crate) fn discoveries(significances: &[f64], rate: f64) -> Vec<usize> {
+/// The leaves to split: the largest set in which at most the share `rate` is expected to be chance, and those of `suspected` parents
+/// that are significant by themselves.
+pub(crate) fn cells_to_split(
+    cells: &[CellId],
+    significances: &[f64],
+    suspected: &BTreeSet<CellId>,
+    [rate, alone]: [f64; 2],
+) -> Vec<usize> {
+    let is_suspected = |k: usize| cells[k].level > 0 && suspected.contains(&cells[k].ancestor(cells[k].level - 1));
+    let mut others = significances.to_vec();
+    let mut chosen = Vec::new();
+    for k in (0..cells.len()).filter(|k| is_suspected(*k)) {
+        if significances[k] <= alone {
+            chosen.push(k);
+        }
+        others[k] = 1.0;
+    }
+    chosen.extend(discoveries(&others, rate));
+    chosen.sort_unstable();
+    chosen
+}
+
+/// The largest set in which at most the share `rate` is expected to be chance.
+fn discoveries(significances: &[f64], rate: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..significances.len()).filter(|k| significances[*k] <= rate).collect();
     order.sort_by(|a, b| significances[*a].total_cmp(&significances[*b]).then(a.cmp(b)));
     let tested = significances.iter().filter(|p| **p < 1.0).count() as f64;
@@ -130,11 +186,10 @@ mod tests {
         let mut draw = Lcg::new(21);
         let (mut below, trials) = (0, 4000);
         for _ in 0..trials {
-            let mut boxes: BoxSums = [[0.0; 3]; SIDE * SIDE];
+            let mut boxes = [[0.0; 3]; 16];
             for k in 0..100 {
                 let v = draw.normal();
-                let sums = &mut boxes[k % 16];
-                *sums = [sums[0] + 1.0, sums[1] + v, sums[2] + v * v];
+                add(&mut boxes[k % 16], [1.0, v, v * v]);
             }
             below += usize::from(fisher(&boxes) < 0.05);
         }
@@ -147,5 +202,24 @@ mod tests {
         assert_eq!(discoveries(&[0.001, 0.5, 0.02, 0.9, 1.0], 0.05), [0, 2]);
         assert_eq!(discoveries(&[0.02, 0.5, 0.04, 0.9], 0.01), [] as [usize; 0]);
         assert_eq!(discoveries(&[], 0.01), [] as [usize; 0]);
+    }
+
+    #[test]
+    fn merging_boxes_keeps_their_sums() {
+        let boxes: Vec<BoxSums> = (0..16).map(|k| [1.0, k as f64, 0.0]).collect();
+        let wide = merged(&boxes, 4);
+        assert_eq!(wide[0], [4.0, 0.0 + 1.0 + 4.0 + 5.0, 0.0]);
+        assert_eq!(wide[3], [4.0, 10.0 + 11.0 + 14.0 + 15.0, 0.0]);
+        assert_eq!([16, 79, 80, 319, 320, 1 << 20].map(finest_side), [2, 2, 4, 4, 8, 32]);
+    }
+
+    #[test]
+    fn children_of_a_chosen_cell_stand_by_themselves() {
+        let parent = CellId { level: 1, place: [2, 3] };
+        let cells: Vec<CellId> = parent.children().into_iter().chain([CellId { level: 0, place: [0, 0] }]).collect();
+        let significances = [0.04, 0.2, 0.05, 1.0, 0.04];
+        let none = BTreeSet::new();
+        assert_eq!(cells_to_split(&cells, &significances, &none, [0.01, 0.05]), [] as [usize; 0]);
+        assert_eq!(cells_to_split(&cells, &significances, &BTreeSet::from([parent]), [0.01, 0.05]), [0, 2]);
     }
 }
