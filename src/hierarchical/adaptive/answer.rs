@@ -37,8 +37,8 @@ pub struct AdaptiveReport {
     pub rounds: Vec<RefinementRound>,
     /// Contacts that were left out, by their numbers, ascending.
     pub outliers: Vec<usize>,
-    /// Weight of the roughness in the patch's frame, for heights of weight 1.
-    pub lambda: f64,
+    /// Weights of the roughness over the cells of every level in the patch's frame, for heights of weight 1.
+    pub lambdas: Vec<f64>,
     /// Degrees of freedom of the surface; `None` without the entries of the inverse.
     pub freedom: Option<f64>,
     /// Root mean square of the residuals of the heights that count, input units.

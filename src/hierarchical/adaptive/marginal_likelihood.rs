@@ -1,26 +1,35 @@
-//! How strongly roughness counts: lambda by restricted maximum likelihood (H. D. Patterson, R. Thompson, *Biometrika* 58 (1971) 545).
+//! How strongly roughness counts: lambda of every level by restricted maximum likelihood (H. D. Patterson, R. Thompson, *Biometrika* 58
+//! (1971) 545).
 //!
 //! ```text
-//! -2 log L(lambda) = (N - m) log D + log det(A + lambda P) - (n - m) log lambda
-//! D = min_c sum w (z - S)^2 + lambda c'Pc = r'r + lambda c0'P c0 - h'(A + lambda P)^-1 h,   h = g - lambda P c0
+//! P = sum_l lambda_l P_l       -2 log L(mu) = (N - m) log D + log det(A + mu P) - (n - m) log mu
+//! D = min_c sum w (z - S)^2 + mu c'Pc = r'r + mu c0'P c0 - h'(A + mu P)^-1 h,   h = g - mu P c0
 //! sigma^2 = D/(N - m)           N rows, n unknowns, m = dimension of the surfaces without roughness
+//! lambda_l <- sigma^2 (r_l - lambda_l tr (A + P)^-1 P_l) / c'P_l c,     r_l = lambda_l tr P^+ P_l = sum_i lambda_l P_l,ii / P_ii about
 //! ```
 //!
-//! The step from the surface c0 at hand keeps D's digits where noise is far smaller than heights.
+//! mu is found by search, the ratios of the levels by the last line (S. Wood, M. Fasiolo, *Biometrics* 73 (2017) 1071): where a feature
+//! stands, cells are small, and the surface may bend there without bending everywhere. The step from the surface c0 at hand keeps D's
+//! digits where noise is far smaller than heights.
 
+use super::system::System;
 use crate::equations::MeetingPattern;
 use crate::error::HierarchyError;
-use crate::factor::SparseCholesky;
+use crate::factor::{SelectedInverse, SparseCholesky};
 use palpate_numeric::brent::maximum;
 
 /// Natural logarithm of lambda is found to this accuracy: 10 % of lambda, which changes no digit that noise leaves.
 const ACCURACY: f64 = 0.1;
+/// A level's lambda moves at most by this factor in a step: far from the answer the steps are too long.
+const LONGEST_STEP: f64 = 100.0;
+/// The largest lambda over the one at which roughness and contacts weigh alike: the surface has no roughness at all there.
+const STIFFEST: f64 = 1e6;
 
 /// The equations of one step.
 #[derive(Debug)]
 pub(crate) struct StepEquations<'a> {
     pub pattern: &'a MeetingPattern,
-    /// Values of A and of P.
+    /// Values of A, and of P with the ratios of the levels.
     pub matrix: &'a [f64],
     pub roughness: &'a [f64],
     /// g, and the coefficients c0 of the surface at hand.
@@ -36,7 +45,7 @@ pub(crate) struct StepEquations<'a> {
 /// A step with its lambda.
 #[derive(Clone, Debug)]
 pub(crate) struct Step {
-    pub lambda: f64,
+    pub factor_of_lambda: f64,
     pub delta: Vec<f64>,
     /// `D/(N - m)`: the variance of a row of weight 1.
     pub variance: f64,
@@ -45,16 +54,12 @@ pub(crate) struct Step {
 }
 
 impl StepEquations<'_> {
-    /// Lambda of the largest likelihood and the step that it gives; the factor is left as that of `A + lambda P`.
+    /// The factor mu of the largest likelihood and the step that it gives; the factor is left as that of `A + mu P`. `most` likelihoods
+    /// are asked for; one or none: mu is 1. Without a `start` nothing is known of mu.
     ///
     /// # Errors
     /// When no lambda makes the matrix positive definite.
-    pub(crate) fn solve(
-        &self,
-        factor: &mut SparseCholesky,
-        start: Option<f64>,
-        most: usize,
-    ) -> Result<Step, HierarchyError> {
+    pub(crate) fn solve(&self, factor: &mut SparseCholesky, known: bool, most: usize) -> Result<Step, HierarchyError> {
         let mut rough = vec![0.0; self.coefficients.len()];
         self.pattern.multiply(self.roughness, self.coefficients, &mut rough);
         let own: f64 = rough.iter().zip(self.coefficients).map(|(a, b)| a * b).sum();
@@ -62,21 +67,18 @@ impl StepEquations<'_> {
         let balance = (diagonal(self.matrix) / diagonal(self.roughness)).ln();
         // far below, gaps of the data are left to rounding; far above, the surface has no roughness at all
         let range = [balance - 32.0, balance + 12.0];
-        let (around, guess) = match start {
-            Some(lambda) => ([(lambda.ln() - 5.0).max(range[0]), (lambda.ln() + 5.0).min(range[1])], lambda.ln()),
-            None => (range, balance - 10.0),
-        };
+        let (around, guess) = if known { ([-5.0, 5.0], 0.0) } else { (range, balance - 10.0) };
         let count = std::cell::Cell::new(0);
         let cell = std::cell::RefCell::new(&mut *factor);
         let value = |log: f64| {
             count.set(count.get() + 1);
             self.at(&mut cell.borrow_mut(), log.exp(), &rough, own).map_or(f64::NAN, |(_, _, value)| value)
         };
-        let best = if most == 0 { guess } else { maximum(around, guess, ACCURACY, most, value).0 };
+        let best = if most <= 1 { guess } else { maximum(around, guess, ACCURACY, most, value).0 };
         let lambda = best.exp();
         let (delta, deviance, _) = self.at(factor, lambda, &rough, own)?;
         let variance = deviance.max(0.0) / (self.rows - self.smooth).max(1.0);
-        Ok(Step { lambda, delta, variance, factorisations: count.get() + 1 })
+        Ok(Step { factor_of_lambda: lambda, delta, variance, factorisations: count.get() + 1 })
     }
 
     /// Step, D and twice the log likelihood.
@@ -99,4 +101,40 @@ impl StepEquations<'_> {
             -(self.rows - m) * deviance.max(f64::MIN_POSITIVE).ln() - factor.log_determinant() + (n - m) * lambda.ln();
         Ok((delta, deviance, value))
     }
+}
+
+/// Lambdas of all levels after one step of the last formula, from the surface and the factor of the lambdas at hand.
+pub(crate) fn lambdas_of_levels(
+    system: &System,
+    lambdas: &[f64],
+    coefficients: &[f64],
+    matrix: &[f64],
+    variance: f64,
+    smooth: f64,
+) -> Vec<f64> {
+    let Some(inverse) = SelectedInverse::of(&system.factor) else { return lambdas.to_vec() };
+    let pattern = &system.pattern;
+    let diagonal = |values: &[f64]| pattern.starts()[1..].iter().map(|end| values[end - 1]).collect::<Vec<f64>>();
+    let whole = diagonal(&system.rough(lambdas));
+    let contacts: f64 = diagonal(matrix).iter().sum();
+    let unknowns = coefficients.len() as f64;
+    let mut product = vec![0.0; coefficients.len()];
+    let mut next = |(level, lambda): (usize, &f64)| {
+        let mut values = vec![0.0; pattern.rows().len()];
+        system.roughness[level].add_to(1.0, &mut values);
+        let own = diagonal(&values);
+        let shares = own.iter().zip(&whole).filter(|(_, p)| **p > 0.0).map(|(own, p)| lambda * own / p);
+        let rank = shares.sum::<f64>() * (unknowns - smooth).max(1.0) / unknowns;
+        pattern.multiply(&values, coefficients, &mut product);
+        let rough: f64 = product.iter().zip(coefficients).map(|(a, b)| a * b).sum();
+        let taken = lambda * inverse.trace_with(pattern.starts(), pattern.rows(), &values);
+        let total: f64 = own.iter().sum();
+        if total <= 0.0 || rank <= 0.0 {
+            return *lambda;
+        }
+        let most = (STIFFEST * contacts / whole.len() as f64) / (total / whole.len() as f64);
+        let wanted = if rough > 0.0 { variance * (rank - taken).max(0.01 * rank) / rough } else { most };
+        wanted.clamp(lambda / LONGEST_STEP, lambda * LONGEST_STEP).min(most.max(*lambda))
+    };
+    lambdas.iter().enumerate().map(&mut next).collect()
 }

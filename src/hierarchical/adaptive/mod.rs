@@ -119,7 +119,7 @@ fn answered(mut refinement: Refinement, system: System, frame: Frame) -> Adaptiv
         report: AdaptiveReport {
             rounds: refinement.rounds,
             outliers,
-            lambda: refinement.lambda.unwrap_or(0.0),
+            lambdas: refinement.lambdas,
             freedom: traces.map(|[z, s]| z + s),
             rms: (heights.squares / heights.rows.max(1.0)).sqrt() * frame.scale,
             condition: system.factor.condition(),

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::local_scale::{LocalScales, shares};
-use super::marginal_likelihood::StepEquations;
+use super::marginal_likelihood::{StepEquations, lambdas_of_levels};
 use super::options::{AdaptiveOptions, OutlierRule, RowNoise};
 use super::split_test::{SplitTest, cells_to_split};
 use super::system::{FitWork, System, timed};
@@ -25,8 +25,12 @@ use palpate_numeric::statistics::VarianceComponent;
 /// Likelihoods asked for when nothing is known of lambda, and when that of the round before is.
 const FIRST_SEARCH: usize = 14;
 const LATER_SEARCH: usize = 4;
-/// Fits without what was rejected: rejections settle in two or three.
-const MOST_REJECTIONS: usize = 4;
+/// Last fits: rejections settle in two or three, the lambdas of levels in about as many.
+const MOST_LAST_FITS: usize = 5;
+/// Change of a lambda's logarithm that moves nothing beyond the noise.
+const SETTLED: f64 = 0.2;
+/// A level's lambda over that of the level before, before anything is known: features of half the size are as high.
+const FINER_ROUGHNESS: f64 = 1.0 / 16.0;
 /// Rounds beyond the deepest level: neighbours of a feature follow it late.
 const LATE_ROUNDS: usize = 6;
 
@@ -50,7 +54,8 @@ pub(super) struct Refinement<'a> {
     pub residuals: Residuals,
     pub shares: Option<Vec<f64>>,
     pub weights: BlockWeights,
-    pub lambda: Option<f64>,
+    /// Weights of the roughness over the cells of every level; none before the first fit.
+    pub lambdas: Vec<f64>,
     /// Variance of a row of weight 1.
     pub variance: f64,
     /// Cells that were split because they held more than noise.
@@ -78,7 +83,7 @@ impl<'a> Refinement<'a> {
             residuals,
             shares: None,
             weights,
-            lambda: None,
+            lambdas: Vec::new(),
             variance: 0.0,
             suspected: BTreeSet::new(),
             rounds: Vec::new(),
@@ -100,7 +105,7 @@ impl<'a> Refinement<'a> {
             let (cells, unknowns) = (system.space.leaves().len(), system.space.unknowns());
             self.rounds.push(RefinementRound { cells, unknowns, split: split.len() });
             if split.is_empty() || unknowns > self.options.most_unknowns || self.rounds.len() > most {
-                self.reject(&mut system)?;
+                self.finish(&mut system)?;
                 return Ok(system);
             }
             self.split(&system.space, &split)?;
@@ -121,24 +126,38 @@ impl<'a> Refinement<'a> {
             sums
         });
         let (matrix, load) = timed(&mut work.assembly, || system.pattern.assemble(&system.space, &sums, *weights));
+        let smooth = if self.options.roughness_order == 2 { 3.0 } else { 6.0 };
         let [squares, rows, slope_squares, slope_rows] = sums.totals();
         drop(sums);
+        let known = !self.lambdas.is_empty();
+        // a finer level begins where surfaces of the size of its cells are as likely as those of the level before
+        let finer = |last: f64| last * FINER_ROUGHNESS;
+        while self.lambdas.len() < system.roughness.len() {
+            self.lambdas.push(self.lambdas.last().map_or(1.0, |last| finer(*last)));
+        }
+        let rough = system.rough(&self.lambdas);
         let equations = StepEquations {
             pattern: &system.pattern,
             matrix: &matrix,
-            roughness: &system.roughness,
+            roughness: &rough,
             load: &load,
             coefficients: field.coefficients(),
             squares: weights.heights * squares + weights.slopes * slope_squares,
             rows: rows + 2.0 * slope_rows,
-            smooth: if self.options.roughness_order == 2 { 3.0 } else { 6.0 },
+            smooth,
         };
-        let step = timed(&mut work.factorisation, || equations.solve(&mut system.factor, self.lambda, search))?;
+        let step = timed(&mut work.factorisation, || equations.solve(&mut system.factor, known, search))?;
         work.factorisations += step.factorisations;
         let moved = field.coefficients().iter().zip(&step.delta).map(|(c, d)| c + d).collect();
         *field = HierarchicalField::new(system.space.clone(), moved)?;
         *residuals = timed(&mut work.passes, || Residuals::of(contacts, field));
-        (self.lambda, self.variance) = (Some(step.lambda), step.variance);
+        self.variance = step.variance;
+        self.lambdas.iter_mut().for_each(|lambda| *lambda *= step.factor_of_lambda);
+        if search > 0 && self.lambdas.len() > 1 {
+            let (c, lambdas) = (field.coefficients(), &self.lambdas);
+            self.lambdas =
+                timed(&mut work.inverse, || lambdas_of_levels(system, lambdas, c, &matrix, step.variance, smooth));
+        }
         self.weigh([0.0; 2]);
         Ok(())
     }
@@ -182,22 +201,29 @@ impl<'a> Refinement<'a> {
         }));
     }
 
-    /// The last fits: without the contacts that lie too far off, until these are the same twice.
-    fn reject(&mut self, system: &mut System) -> Result<(), HierarchyError> {
-        let OutlierRule::Reject { reject, .. } = self.options.outliers else { return self.step(system, LATER_SEARCH) };
-        for k in 0..MOST_REJECTIONS {
-            let Refinement { contacts, field, residuals, work, .. } = self;
-            let made = timed(&mut work.passes, || {
-                let scales = LocalScales::of(field.space(), contacts, residuals);
-                shares(field.space(), contacts, residuals, &scales, |t| if t > reject { 0.0 } else { 1.0 })
-            });
-            if self.shares.as_ref() == Some(&made) {
+    /// The last fits: without the contacts that lie too far off, until these and the lambdas are the same twice.
+    fn finish(&mut self, system: &mut System) -> Result<(), HierarchyError> {
+        for k in 0..MOST_LAST_FITS {
+            let rejected = self.rejected();
+            let (same, before) = (rejected == self.shares, self.lambdas.clone());
+            self.shares = rejected;
+            self.step(system, if k == 0 { LATER_SEARCH } else { 1 })?;
+            let moved = self.lambdas.iter().zip(&before).map(|(a, b)| (a / b).ln().abs()).fold(0.0, f64::max);
+            if same && moved < SETTLED {
                 break;
             }
-            self.shares = Some(made);
-            self.step(system, if k == 0 { LATER_SEARCH } else { 0 })?;
         }
-        Ok(())
+        self.step(system, 0)
+    }
+
+    /// Shares without the contacts that lie too far off.
+    fn rejected(&mut self) -> Option<Vec<f64>> {
+        let OutlierRule::Reject { reject, .. } = self.options.outliers else { return None };
+        let Refinement { contacts, field, residuals, work, .. } = self;
+        Some(timed(&mut work.passes, || {
+            let scales = LocalScales::of(field.space(), contacts, residuals);
+            shares(field.space(), contacts, residuals, &scales, |t| if t > reject { 0.0 } else { 1.0 })
+        }))
     }
 
     /// Numbers of the leaves that hold more than noise.

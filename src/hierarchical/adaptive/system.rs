@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::equations::MeetingPattern;
+use crate::equations::{LevelRoughness, MeetingPattern};
 use crate::error::HierarchyError;
 use crate::factor::SparseCholesky;
 use crate::space::HierarchicalSpace;
@@ -38,7 +38,8 @@ pub(super) fn timed<T>(clock: &mut Duration, work: impl FnOnce() -> T) -> T {
 pub(super) struct System {
     pub space: Arc<HierarchicalSpace>,
     pub pattern: MeetingPattern,
-    pub roughness: Vec<f64>,
+    /// Over the cells of every level.
+    pub roughness: Vec<LevelRoughness>,
     pub factor: SparseCholesky,
 }
 
@@ -55,5 +56,12 @@ impl System {
         });
         let factor = timed(&mut work.factorisation, || SparseCholesky::plan(pattern.starts(), pattern.rows()))?;
         Ok(System { space, pattern, roughness, factor })
+    }
+
+    /// The roughness of all levels, each by its lambda.
+    pub(super) fn rough(&self, lambdas: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; self.pattern.rows().len()];
+        self.roughness.iter().zip(lambdas).for_each(|(level, lambda)| level.add_to(*lambda, &mut values));
+        values
     }
 }

@@ -37,7 +37,7 @@ fn noise_alone_splits_nothing() {
 fn a_small_feature_is_followed_and_the_rest_left_alone() {
     let truth = |x: f64, y: f64| smooth(x, y) + bump([x, y], [0.31, -0.44], 0.05, 0.03);
     let fit = fit_adaptive(&touched(200_000, 0.002, 3, truth), &AdaptiveOptions::default()).unwrap();
-    println!("{:?} noise {} lambda {}", fit.report().rounds, fit.height_noise(), fit.report().lambda);
+    println!("{:?} noise {} lambdas {:?}", fit.report().rounds, fit.height_noise(), fit.report().lambdas);
     assert!((fit.height_noise() / 0.002 - 1.0).abs() < 0.02);
     assert!((fit.at(0.31, -0.44).z - truth(0.31, -0.44)).abs() < 0.003);
     assert!(fit.unknowns_below(600));

@@ -23,6 +23,26 @@ pub struct MeetingPattern {
     rows: Vec<usize>,
 }
 
+/// The roughness over the cells of one level: the entries that are not zero, by their places in a pattern.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LevelRoughness {
+    places: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl LevelRoughness {
+    fn of(values: &[f64]) -> LevelRoughness {
+        let filled = values.iter().enumerate().filter(|(_, v)| **v != 0.0);
+        let (places, values) = filled.map(|(place, v)| (place as u32, *v)).unzip();
+        LevelRoughness { places, values }
+    }
+
+    /// Adds a multiple to the values of a matrix.
+    pub fn add_to(&self, factor: f64, matrix: &mut [f64]) {
+        self.places.iter().zip(&self.values).for_each(|(place, v)| matrix[*place as usize] += factor * v);
+    }
+}
+
 /// What one leaf adds: the functions on it and their matrix, row by row.
 struct LeafPart {
     functions: Vec<u32>,
@@ -124,28 +144,35 @@ impl MeetingPattern {
     pub fn assemble(&self, space: &HierarchicalSpace, sums: &CellSums, weights: BlockWeights) -> (Vec<f64>, Vec<f64>) {
         let slopes = if sums.layout().oriented { weights.slopes } else { 0.0 };
         let weights = BlockWeights { slopes, ..weights };
-        self.add_leaves(space, |leaf, axes, local| local.add_contacts(axes, &sums.cell(leaf), weights))
+        let leaves: Vec<usize> = (0..space.leaves().len()).collect();
+        self.add_leaves(space, &leaves, |leaf, axes, local| local.add_contacts(axes, &sums.cell(leaf), weights))
     }
 
-    /// The matrix of the roughness of this order, 2 or 3.
-    pub fn roughness(&self, space: &HierarchicalSpace, order: usize) -> Vec<f64> {
+    /// The matrices of the roughness of this order, 2 or 3, over the cells of every level.
+    pub fn roughness(&self, space: &HierarchicalSpace, order: usize) -> Vec<LevelRoughness> {
         let half = |leaf: usize| space.mesh().centre_and_half(space.leaves()[leaf])[1];
-        self.add_leaves(space, |leaf, axes, local| local.add_roughness(axes, half(leaf), order)).0
+        let mut by_level = vec![Vec::new(); space.mesh().tree().deepest() + 1];
+        space.leaves().iter().enumerate().for_each(|(leaf, cell)| by_level[usize::from(cell.level)].push(leaf));
+        let of_level = |leaves: &Vec<usize>| {
+            let (values, _) =
+                self.add_leaves(space, leaves, |leaf, axes, local| local.add_roughness(axes, half(leaf), order));
+            LevelRoughness::of(&values)
+        };
+        by_level.iter().map(of_level).collect()
     }
 
     fn add_leaves(
         &self,
         space: &HierarchicalSpace,
+        leaves: &[usize],
         part: impl Fn(usize, &[AxisPolynomials; 2], &mut LocalEquations) + Sync,
     ) -> (Vec<f64>, Vec<f64>) {
         let (mut values, mut load) = (vec![0.0; self.rows.len()], vec![0.0; self.order()]);
-        let leaves = space.leaves().len();
         let widths = space.mesh().levels().degree().map(|p| p + 1);
-        for from in (0..leaves).step_by(PIECE) {
-            let count = PIECE.min(leaves - from);
+        for piece in leaves.chunks(PIECE) {
             let start = || LocalEquations::zeros(widths);
-            let parts = threads::map_with(count, 16, start, |local, k| {
-                let leaf = from + k;
+            let parts = threads::map_with(piece.len(), 16, start, |local, k| {
+                let leaf = piece[k];
                 let (cell, knots) = (space.leaves()[leaf], space.knots_of(leaf));
                 let axes = [0, 1].map(|axis| AxisPolynomials::new(knots[axis], cell.place[axis] as usize));
                 local.clear();
@@ -177,6 +204,10 @@ fn in_basis(space: &HierarchicalSpace, leaf: usize, local: &LocalEquations) -> L
     let mut functions = Vec::new();
     space.functions_on(leaf, &mut functions);
     let (count, width) = (functions.len(), local.load.len());
+    if space.local_functions(leaf).all(|function| matches!(function, LocalFunction::Active(_))) {
+        // all functions of one level, which are numbered in the order of the cell
+        return LeafPart { functions, matrix: local.matrix.clone(), load: local.load.clone() };
+    }
     let position = |number: u32| functions.binary_search(&number).unwrap_or(0);
     let rows: Vec<Vec<(usize, f64)>> = space
         .local_functions(leaf)

@@ -17,7 +17,7 @@ mod sums;
 mod tests;
 
 pub use local::BlockWeights;
-pub use matrix::MeetingPattern;
+pub use matrix::{LevelRoughness, MeetingPattern};
 pub use residuals::Residuals;
 pub use sorted_contacts::{SortedContacts, patch_frame};
 pub use sums::CellSums;

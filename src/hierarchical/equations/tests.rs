@@ -148,7 +148,8 @@ fn roughness_is_the_integral() {
     let mut c = load;
     factor.solve(&mut c);
     for (order, exact) in [(2, 4.0 * 4.0 / 3.0 + 2.0 * 4.0 * 4.0 / 3.0), (3, 3.0 * 4.0 * 4.0)] {
-        let rough = pattern.roughness(&space, order);
+        let mut rough = vec![0.0; values.len()];
+        pattern.roughness(&space, order).iter().for_each(|level| level.add_to(1.0, &mut rough));
         let mut product = vec![0.0; c.len()];
         pattern.multiply(&rough, &c, &mut product);
         let found: f64 = product.iter().zip(&c).map(|(a, b)| a * b).sum();
