@@ -15,13 +15,18 @@
 use super::system::System;
 use crate::equations::MeetingPattern;
 use crate::error::HierarchyError;
-use crate::factor::{SelectedInverse, SparseCholesky};
+use crate::factor::SparseCholesky;
 use palpate_numeric::brent::maximum;
+use palpate_numeric::draws::Lcg;
 
 /// Natural logarithm of lambda is found to this accuracy: 10 % of lambda, which changes no digit that noise leaves.
 const ACCURACY: f64 = 0.1;
 /// A level's lambda moves at most by this factor in a step: far from the answer the steps are too long.
 const LONGEST_STEP: f64 = 100.0;
+/// Vectors of random signs.
+const PROBES: u64 = 8;
+/// Of a level's functions the roughness decides at least this share by itself: below, the traces are noise.
+const LEAST_LEFT: f64 = 0.01;
 /// The largest lambda over the one at which roughness and contacts weigh alike: the surface has no roughness at all there.
 const STIFFEST: f64 = 1e6;
 
@@ -104,6 +109,9 @@ impl StepEquations<'_> {
 }
 
 /// Lambdas of all levels after one step of the last formula, from the surface and the factor of the lambdas at hand.
+///
+/// The traces are means over vectors of random signs, `E z'(A + P)^-1 P_l z` (M. Hutchinson, *Commun. Stat. Simul.* 19 (1990) 433): of a
+/// level with r functions they are off by the share `1/sqrt(4 r)`, and each vector is one solution for all levels.
 pub(crate) fn lambdas_of_levels(
     system: &System,
     lambdas: &[f64],
@@ -112,29 +120,43 @@ pub(crate) fn lambdas_of_levels(
     variance: f64,
     smooth: f64,
 ) -> Vec<f64> {
-    let Some(inverse) = SelectedInverse::of(&system.factor) else { return lambdas.to_vec() };
     let pattern = &system.pattern;
+    let unknowns = coefficients.len();
     let diagonal = |values: &[f64]| pattern.starts()[1..].iter().map(|end| values[end - 1]).collect::<Vec<f64>>();
     let whole = diagonal(&system.rough(lambdas));
     let contacts: f64 = diagonal(matrix).iter().sum();
-    let unknowns = coefficients.len() as f64;
-    let mut product = vec![0.0; coefficients.len()];
+    let probes: Vec<[Vec<f64>; 2]> = (0..PROBES).map(|probe| signs_and_solution(system, unknowns, probe)).collect();
+    let free = (unknowns as f64 - smooth).max(1.0) / unknowns as f64;
+    let (mut values, mut product) = (vec![0.0; pattern.rows().len()], vec![0.0; unknowns]);
     let mut next = |(level, lambda): (usize, &f64)| {
-        let mut values = vec![0.0; pattern.rows().len()];
+        values.fill(0.0);
         system.roughness[level].add_to(1.0, &mut values);
         let own = diagonal(&values);
-        let shares = own.iter().zip(&whole).filter(|(_, p)| **p > 0.0).map(|(own, p)| lambda * own / p);
-        let rank = shares.sum::<f64>() * (unknowns - smooth).max(1.0) / unknowns;
-        pattern.multiply(&values, coefficients, &mut product);
-        let rough: f64 = product.iter().zip(coefficients).map(|(a, b)| a * b).sum();
-        let taken = lambda * inverse.trace_with(pattern.starts(), pattern.rows(), &values);
         let total: f64 = own.iter().sum();
+        let shares = own.iter().zip(&whole).filter(|(_, p)| **p > 0.0).map(|(own, p)| lambda * own / p);
+        let rank = shares.sum::<f64>() * free;
+        let mut form = |a: &[f64], b: &[f64]| {
+            pattern.multiply(&values, a, &mut product);
+            product.iter().zip(b).map(|(x, y)| x * y).sum::<f64>()
+        };
+        let rough = form(coefficients, coefficients);
+        let trace = probes.iter().map(|[signs, solution]| form(signs, solution)).sum::<f64>() / PROBES as f64;
         if total <= 0.0 || rank <= 0.0 {
             return *lambda;
         }
-        let most = (STIFFEST * contacts / whole.len() as f64) / (total / whole.len() as f64);
-        let wanted = if rough > 0.0 { variance * (rank - taken).max(0.01 * rank) / rough } else { most };
-        wanted.clamp(lambda / LONGEST_STEP, lambda * LONGEST_STEP).min(most.max(*lambda))
+        let most = (STIFFEST * contacts / total).max(*lambda);
+        let left = (rank - lambda * trace).max(LEAST_LEFT * rank);
+        let wanted = if rough > 0.0 { variance * left / rough } else { most };
+        wanted.clamp(lambda / LONGEST_STEP, lambda * LONGEST_STEP).min(most)
     };
     lambdas.iter().enumerate().map(&mut next).collect()
+}
+
+/// Random signs z, and `(A + P)^-1 z`.
+fn signs_and_solution(system: &System, unknowns: usize, probe: u64) -> [Vec<f64>; 2] {
+    let mut draw = Lcg::new(0x5eed + probe);
+    let signs: Vec<f64> = (0..unknowns).map(|_| if draw.uniform() < 0.5 { -1.0 } else { 1.0 }).collect();
+    let mut solution = signs.clone();
+    system.factor.solve(&mut solution);
+    [signs, solution]
 }

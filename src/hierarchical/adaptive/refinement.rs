@@ -96,11 +96,14 @@ impl<'a> Refinement<'a> {
         let most = self.options.deepest_level + LATE_ROUNDS;
         loop {
             let mut system = self.system()?;
-            let search = if self.rounds.is_empty() { FIRST_SEARCH } else { LATER_SEARCH };
-            self.step(&mut system, search)?;
-            // normals are linear about the surface only, and shares belong to it
-            self.downweigh();
-            self.step(&mut system, 0)?;
+            if self.rounds.is_empty() {
+                self.step(&mut system, FIRST_SEARCH)?;
+                // normals are linear about the surface only, and shares belong to it
+                self.shares = self.clipped();
+                self.step(&mut system, 0)?;
+            } else {
+                self.step(&mut system, 1)?;
+            }
             let split = self.to_split();
             let (cells, unknowns) = (system.space.leaves().len(), system.space.unknowns());
             self.rounds.push(RefinementRound { cells, unknowns, split: split.len() });
@@ -108,6 +111,7 @@ impl<'a> Refinement<'a> {
                 self.finish(&mut system)?;
                 return Ok(system);
             }
+            self.shares = self.clipped();
             self.split(&system.space, &split)?;
         }
     }
@@ -192,13 +196,17 @@ impl<'a> Refinement<'a> {
     }
 
     /// Shares for the fits while cells are split.
-    fn downweigh(&mut self) {
-        let OutlierRule::Reject { clip, .. } = self.options.outliers else { return };
+    fn clipped(&mut self) -> Option<Vec<f64>> {
+        let OutlierRule::Reject { clip, .. } = self.options.outliers else { return None };
+        self.shares_by(|t| if t > clip { clip / t } else { 1.0 })
+    }
+
+    fn shares_by(&mut self, rule: impl Fn(f64) -> f64 + Sync) -> Option<Vec<f64>> {
         let Refinement { contacts, field, residuals, work, .. } = self;
-        self.shares = Some(timed(&mut work.passes, || {
+        Some(timed(&mut work.passes, || {
             let scales = LocalScales::of(field.space(), contacts, residuals);
-            shares(field.space(), contacts, residuals, &scales, |t| if t > clip { clip / t } else { 1.0 })
-        }));
+            shares(field.space(), contacts, residuals, &scales, rule)
+        }))
     }
 
     /// The last fits: without the contacts that lie too far off, until these and the lambdas are the same twice.
@@ -219,11 +227,7 @@ impl<'a> Refinement<'a> {
     /// Shares without the contacts that lie too far off.
     fn rejected(&mut self) -> Option<Vec<f64>> {
         let OutlierRule::Reject { reject, .. } = self.options.outliers else { return None };
-        let Refinement { contacts, field, residuals, work, .. } = self;
-        Some(timed(&mut work.passes, || {
-            let scales = LocalScales::of(field.space(), contacts, residuals);
-            shares(field.space(), contacts, residuals, &scales, |t| if t > reject { 0.0 } else { 1.0 })
-        }))
+        self.shares_by(|t| if t > reject { 0.0 } else { 1.0 })
     }
 
     /// Numbers of the leaves that hold more than noise.
@@ -238,7 +242,7 @@ impl<'a> Refinement<'a> {
             let (least_contacts, deepest_level) = (options.least_contacts, options.deepest_level);
             let (space, scales) = (field.space(), &scales);
             let test = SplitTest { space, contacts, residuals, scales, clip, least_contacts, deepest_level };
-            let rates = [options.false_discovery_rate, options.significance_of_children];
+            let rates = [options.false_discovery_rate, options.false_discovery_rate_of_children];
             let split = cells_to_split(space.leaves(), &test.significances(), suspected, rates);
             suspected.extend(split.iter().map(|leaf| space.leaves()[*leaf]));
             split
@@ -246,14 +250,13 @@ impl<'a> Refinement<'a> {
     }
 
     fn split(&mut self, space: &HierarchicalSpace, leaves: &[usize]) -> Result<(), HierarchyError> {
-        let Refinement { contacts, field, residuals, work, .. } = self;
+        let Refinement { field, work, .. } = self;
+        // the surface is the same but for rounding, and so are the residuals
         *field = timed(&mut work.assembly, || {
             let mut mesh = space.mesh().clone();
             leaves.iter().try_for_each(|leaf| mesh.refine(space.leaves()[*leaf]))?;
             field.embedded(Arc::new(HierarchicalSpace::new(mesh)))
         })?;
-        // the surface is the same; only rounding differs
-        *residuals = timed(&mut work.passes, || Residuals::of(contacts, field));
         Ok(())
     }
 }

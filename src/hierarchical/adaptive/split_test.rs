@@ -10,8 +10,8 @@
 //! number of grids. Residuals are clipped at a few local scales, so that outliers neither cause a split nor hide one.
 //!
 //! Cells are chosen by the step-up rule of Y. Benjamini and Y. Hochberg, *J. R. Stat. Soc. B* 57 (1995) 289: of those split, the expected
-//! share that is noise is bounded. The children of a cell that was chosen are held to a significance of their own instead, because
-//! something is there (D. Yekutieli, *J. Am. Stat. Assoc.* 103 (2008) 309).
+//! share that is noise is bounded. The children of cells that were chosen are a family of their own with a larger rate, because something
+//! is there (D. Yekutieli, *J. Am. Stat. Assoc.* 103 (2008) 309).
 
 use std::collections::BTreeSet;
 
@@ -142,24 +142,20 @@ fn fisher(boxes: &[BoxSums]) -> f64 {
     FisherSnedecor::new(filled, freedom).map_or(1.0, |law| law.sf(ratio))
 }
 
-/// The leaves to split: the largest set in which at most the share `rate` is expected to be chance, and those of `suspected` parents
-/// that are significant by themselves.
+/// The leaves to split: the largest set in which at most the share `rate` is expected to be chance, and another of the leaves of
+/// `suspected` parents, by the rate `of_children`.
 pub(crate) fn cells_to_split(
     cells: &[CellId],
     significances: &[f64],
     suspected: &BTreeSet<CellId>,
-    [rate, alone]: [f64; 2],
+    [rate, of_children]: [f64; 2],
 ) -> Vec<usize> {
     let is_suspected = |k: usize| cells[k].level > 0 && suspected.contains(&cells[k].ancestor(cells[k].level - 1));
-    let mut others = significances.to_vec();
-    let mut chosen = Vec::new();
-    for k in (0..cells.len()).filter(|k| is_suspected(*k)) {
-        if significances[k] <= alone {
-            chosen.push(k);
-        }
-        others[k] = 1.0;
-    }
-    chosen.extend(discoveries(&others, rate));
+    let those = |suspected: bool| -> Vec<f64> {
+        significances.iter().enumerate().map(|(k, p)| if is_suspected(k) == suspected { *p } else { 1.0 }).collect()
+    };
+    let mut chosen = discoveries(&those(true), of_children);
+    chosen.extend(discoveries(&those(false), rate));
     chosen.sort_unstable();
     chosen
 }
@@ -214,12 +210,12 @@ mod tests {
     }
 
     #[test]
-    fn children_of_a_chosen_cell_stand_by_themselves() {
+    fn children_of_a_chosen_cell_are_a_family_of_their_own() {
         let parent = CellId { level: 1, place: [2, 3] };
         let cells: Vec<CellId> = parent.children().into_iter().chain([CellId { level: 0, place: [0, 0] }]).collect();
-        let significances = [0.04, 0.2, 0.05, 1.0, 0.04];
+        let significances = [0.04, 0.2, 0.05, 0.9, 0.04];
         let none = BTreeSet::new();
-        assert_eq!(cells_to_split(&cells, &significances, &none, [0.01, 0.05]), [] as [usize; 0]);
-        assert_eq!(cells_to_split(&cells, &significances, &BTreeSet::from([parent]), [0.01, 0.05]), [0, 2]);
+        assert_eq!(cells_to_split(&cells, &significances, &none, [0.01, 0.2]), [] as [usize; 0]);
+        assert_eq!(cells_to_split(&cells, &significances, &BTreeSet::from([parent]), [0.01, 0.2]), [0, 2]);
     }
 }

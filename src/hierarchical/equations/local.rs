@@ -6,7 +6,7 @@
 //! roughness of order m        sum_j binomial(m, j) integral (d^m S / dx^j dy^(m-j))^2
 //! ```
 
-use super::polynomials::{AxisPolynomials, POWERS, Products};
+use super::polynomials::{AxisPolynomials, Products};
 use super::sums::CellSum;
 
 /// Weights of both kinds of rows, squared.
@@ -45,21 +45,27 @@ impl LocalEquations {
             self.add_products([&values[0], &values[1]], g, weights.heights);
         }
         self.add_load(axes, [0, 0], sums.loads(0), weights.heights);
-        if weights.slopes == 0.0 {
-            return;
+        if weights.slopes > 0.0 {
+            self.add_slopes(axes, sums, weights.slopes);
         }
+        self.mirror();
+    }
+
+    fn add_slopes(&mut self, axes: &[AxisPolynomials; 2], sums: &CellSum, weight: f64) {
+        let [x, y] = axes;
+        let values = [x.products([0, 0]), y.products([0, 0])];
         if let Some(g) = sums.moments(1) {
-            self.add_products([&x.products([1, 1]), &values[1]], g, weights.slopes);
+            self.add_products([&x.products([1, 1]), &values[1]], g, weight);
         }
         if let Some(g) = sums.moments(2) {
-            self.add_products([&x.products([1, 0]), &y.products([0, 1])], g, weights.slopes);
-            self.add_products([&x.products([0, 1]), &y.products([1, 0])], g, weights.slopes);
+            self.add_products([&x.products([1, 0]), &y.products([0, 1])], g, weight);
+            self.add_products([&x.products([0, 1]), &y.products([1, 0])], g, weight);
         }
         if let Some(g) = sums.moments(3) {
-            self.add_products([&values[0], &y.products([1, 1])], g, weights.slopes);
+            self.add_products([&values[0], &y.products([1, 1])], g, weight);
         }
-        self.add_load(axes, [1, 0], sums.loads(1), weights.slopes);
-        self.add_load(axes, [0, 1], sums.loads(2), weights.slopes);
+        self.add_load(axes, [1, 0], sums.loads(1), weight);
+        self.add_load(axes, [0, 1], sums.loads(2), weight);
     }
 
     /// Adds the roughness of this order over a cell with these half sides.
@@ -76,26 +82,51 @@ impl LocalEquations {
             self.add_products([&x.products([j, j]), &y.products([order - j, order - j])], &g, binomial);
             binomial *= (order - j) as f64 / (j + 1) as f64;
         }
+        self.mirror();
     }
 
-    /// Both triangles are written, so that the truncation can take whole rows.
-    fn add_products(&mut self, [x, y]: [&Products; 2], g: &[f64], factor: f64) {
+    /// Adds to the blocks on and above the diagonal; [`LocalEquations::mirror`] makes the others.
+    fn add_products(&mut self, products: [&Products; 2], g: &[f64], factor: f64) {
+        // the number of powers is a literal, so that the inner loops have no counters
+        match self.widths[1] {
+            3 => self.add_products_of::<5>(products, g, factor),
+            4 => self.add_products_of::<7>(products, g, factor),
+            5 => self.add_products_of::<9>(products, g, factor),
+            _ => self.add_products_of::<11>(products, g, factor),
+        }
+    }
+
+    fn add_products_of<const COUNT: usize>(&mut self, [x, y]: [&Products; 2], g: &[f64], factor: f64) {
         let [wide, high] = self.widths;
         let count = wide * high;
-        let powers = 2 * high - 1;
+        let (rows, _) = g.as_chunks::<COUNT>();
         for a in 0..wide {
-            for c in 0..wide {
-                let mut along = [0.0; POWERS];
-                for (share, row) in x[a][c].iter().zip(g.chunks_exact(powers)) {
-                    along.iter_mut().zip(row).for_each(|(sum, v)| *sum += share * v);
+            for c in a..wide {
+                let mut along = [0.0; COUNT];
+                for (share, row) in x[a][c].iter().zip(rows) {
+                    along.iter_mut().zip(row).for_each(|(sum, v)| *sum += factor * share * v);
                 }
                 for b in 0..high {
                     let row = (a * high + b) * count + c * high;
                     for (d, target) in self.matrix[row..row + high].iter_mut().enumerate() {
-                        let products = &y[b][d][..powers];
-                        *target += factor * products.iter().zip(&along).map(|(p, s)| p * s).sum::<f64>();
+                        let mut sum = 0.0;
+                        for k in 0..COUNT {
+                            sum += y[b][d][k] * along[k];
+                        }
+                        *target += sum;
                     }
                 }
+            }
+        }
+    }
+
+    /// The blocks below the diagonal from those above it.
+    fn mirror(&mut self) {
+        let count = self.load.len();
+        for row in 0..count {
+            for column in 0..row {
+                // blocks on the diagonal were written whole, and are symmetric
+                self.matrix[row * count + column] = self.matrix[column * count + row];
             }
         }
     }
