@@ -149,7 +149,10 @@ pub(crate) fn lambdas_of_levels(
         let wanted = if rough > 0.0 { variance * left / rough } else { most };
         wanted.clamp(lambda / LONGEST_STEP, lambda * LONGEST_STEP).min(most)
     };
-    lambdas.iter().enumerate().map(&mut next).collect()
+    let mut found: Vec<f64> = lambdas.iter().enumerate().map(&mut next).collect();
+    // cells are small where the surface is rougher than elsewhere: a few smooth ones among them must not stiffen the others
+    (1..found.len()).for_each(|level| found[level] = found[level].min(found[level - 1]));
+    found
 }
 
 /// Random signs z, and `(A + P)^-1 z`.

@@ -45,9 +45,9 @@ pub struct AdaptiveOptions {
     /// Share of the cells split in a round that may be split by chance (Y. Benjamini, Y. Hochberg, *J. R. Stat. Soc. B* 57 (1995) 289).
     /// Default 0.01.
     pub false_discovery_rate: f64,
-    /// The same share among the children of cells that were split by that rule. Default 0.2: a child that needs no split costs one
-    /// unknown, one that is left though it needs it takes the surface off by several standard uncertainties.
-    pub false_discovery_rate_of_children: f64,
+    /// Significance at which the children of cells that were split by that rule are split. Default 0.05: a child that needs no split
+    /// costs one unknown, one that is left though it needs it takes the surface off by several standard uncertainties.
+    pub significance_of_children: f64,
     /// Cells with fewer contacts are not split. Default 16: four contacts for the unknown that a child brings.
     pub least_contacts: usize,
     /// Deepest level. Default 12: cells 4,096 times smaller than those of the base grid.
@@ -71,7 +71,7 @@ impl Default for AdaptiveOptions {
             domain: None,
             base_segments: 8,
             false_discovery_rate: 0.01,
-            false_discovery_rate_of_children: 0.2,
+            significance_of_children: 0.05,
             least_contacts: 16,
             deepest_level: 12,
             most_unknowns: 2_000_000,
@@ -98,7 +98,7 @@ impl AdaptiveOptions {
         }
         let rates = [
             ("false_discovery_rate", self.false_discovery_rate),
-            ("false_discovery_rate_of_children", self.false_discovery_rate_of_children),
+            ("significance_of_children", self.significance_of_children),
         ];
         if let Some((name, rate)) = rates.into_iter().find(|(_, rate)| !(*rate > 0.0 && *rate < 1.0)) {
             return wrong(name, rate.to_string(), "between 0 and 1");

@@ -10,8 +10,8 @@
 //! number of grids. Residuals are clipped at a few local scales, so that outliers neither cause a split nor hide one.
 //!
 //! Cells are chosen by the step-up rule of Y. Benjamini and Y. Hochberg, *J. R. Stat. Soc. B* 57 (1995) 289: of those split, the expected
-//! share that is noise is bounded. The children of cells that were chosen are a family of their own with a larger rate, because something
-//! is there (D. Yekutieli, *J. Am. Stat. Assoc.* 103 (2008) 309).
+//! share that is noise is bounded. The children of a cell that was chosen are held to a significance of their own, because something is
+//! there (D. Yekutieli, *J. Am. Stat. Assoc.* 103 (2008) 309).
 
 use std::collections::BTreeSet;
 
@@ -142,20 +142,27 @@ fn fisher(boxes: &[BoxSums]) -> f64 {
     FisherSnedecor::new(filled, freedom).map_or(1.0, |law| law.sf(ratio))
 }
 
-/// The leaves to split: the largest set in which at most the share `rate` is expected to be chance, and another of the leaves of
-/// `suspected` parents, by the rate `of_children`.
+/// The leaves to split: the largest set in which at most the share `rate` is expected to be chance, and of the leaves of `suspected`
+/// parents those that are significant `alone`. None where these are as many as chance gives, and nothing else is to be split.
 pub(crate) fn cells_to_split(
     cells: &[CellId],
     significances: &[f64],
     suspected: &BTreeSet<CellId>,
-    [rate, of_children]: [f64; 2],
+    [rate, alone]: [f64; 2],
 ) -> Vec<usize> {
     let is_suspected = |k: usize| cells[k].level > 0 && suspected.contains(&cells[k].ancestor(cells[k].level - 1));
-    let those = |suspected: bool| -> Vec<f64> {
-        significances.iter().enumerate().map(|(k, p)| if is_suspected(k) == suspected { *p } else { 1.0 }).collect()
-    };
-    let mut chosen = discoveries(&those(true), of_children);
-    chosen.extend(discoveries(&those(false), rate));
+    let mut others = significances.to_vec();
+    let (mut children, mut tested) = (Vec::new(), 0.0);
+    for k in (0..cells.len()).filter(|k| is_suspected(*k)) {
+        tested += f64::from(u8::from(significances[k] < 1.0));
+        children.extend((significances[k] <= alone).then_some(k));
+        others[k] = 1.0;
+    }
+    let mut chosen = discoveries(&others, rate);
+    // twice what chance gives: fewer are no reason for another round
+    if !chosen.is_empty() || children.len() as f64 > 2.0 * alone * tested {
+        chosen.extend(children);
+    }
     chosen.sort_unstable();
     chosen
 }
@@ -210,12 +217,15 @@ mod tests {
     }
 
     #[test]
-    fn children_of_a_chosen_cell_are_a_family_of_their_own() {
+    fn children_of_a_chosen_cell_stand_by_themselves() {
         let parent = CellId { level: 1, place: [2, 3] };
         let cells: Vec<CellId> = parent.children().into_iter().chain([CellId { level: 0, place: [0, 0] }]).collect();
         let significances = [0.04, 0.2, 0.05, 0.9, 0.04];
         let none = BTreeSet::new();
-        assert_eq!(cells_to_split(&cells, &significances, &none, [0.01, 0.2]), [] as [usize; 0]);
-        assert_eq!(cells_to_split(&cells, &significances, &BTreeSet::from([parent]), [0.01, 0.2]), [0, 2]);
+        assert_eq!(cells_to_split(&cells, &significances, &none, [0.01, 0.05]), [] as [usize; 0]);
+        assert_eq!(cells_to_split(&cells, &significances, &BTreeSet::from([parent]), [0.01, 0.05]), [0, 2]);
+        let many: Vec<CellId> = (0..40).flat_map(|_| parent.children()).collect();
+        let significances: Vec<f64> = (0..160).map(|k| if k < 16 { 0.04 } else { 0.3 }).collect();
+        assert!(cells_to_split(&many, &significances, &BTreeSet::from([parent]), [0.01, 0.05]).is_empty());
     }
 }
