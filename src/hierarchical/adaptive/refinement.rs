@@ -13,7 +13,7 @@ use std::sync::Arc;
 use super::local_scale::{LocalScales, shares};
 use super::marginal_likelihood::{StepEquations, lambdas_of_levels};
 use super::options::{AdaptiveOptions, OutlierRule, RowNoise};
-use super::split_test::{SplitTest, cells_to_split};
+use super::split_test::{SplitTest, cells_to_split, stands_out};
 use super::system::{FitWork, System, timed};
 use crate::equations::{BlockWeights, CellSums, Residuals, SortedContacts};
 use crate::error::HierarchyError;
@@ -25,6 +25,9 @@ use palpate_numeric::statistics::VarianceComponent;
 /// Likelihoods asked for when nothing is known of lambda, and when that of the round before is.
 const FIRST_SEARCH: usize = 14;
 const LATER_SEARCH: usize = 4;
+/// First fits after the very first, which outliers may have drawn far off, and the change of the variance that ends them.
+const MOST_FIRST_FITS: usize = 8;
+const SETTLED_VARIANCE: f64 = 0.02;
 /// Last fits: rejections settle in two or three, the lambdas of levels in about as many.
 const MOST_LAST_FITS: usize = 5;
 /// The last fit takes the lambdas of split cells times this: the likelihood balances bias against variance over all cells of a level,
@@ -100,12 +103,9 @@ impl<'a> Refinement<'a> {
         loop {
             let mut system = self.system()?;
             if self.rounds.is_empty() {
-                self.step(&mut system, FIRST_SEARCH)?;
-                // normals are linear about the surface only, and shares belong to it
-                self.shares = self.clipped();
-                self.step(&mut system, 0)?;
+                self.first_fits(&mut system)?
             } else {
-                self.step(&mut system, 1)?;
+                self.step(&mut system, 1)?
             }
             let split = self.to_split();
             let (cells, unknowns) = (system.space.leaves().len(), system.space.unknowns());
@@ -117,6 +117,20 @@ impl<'a> Refinement<'a> {
             self.shares = self.clipped();
             self.split(&system.space, &split)?;
         }
+    }
+
+    /// Nothing is known of lambda, of the shares or of the slopes that normals are linear about: each fit makes the next one better.
+    fn first_fits(&mut self, system: &mut System) -> Result<(), HierarchyError> {
+        self.step(system, FIRST_SEARCH)?;
+        for _ in 0..MOST_FIRST_FITS {
+            let before = self.variance;
+            self.shares = self.clipped();
+            self.step(system, LATER_SEARCH)?;
+            if (self.variance / before - 1.0).abs() < SETTLED_VARIANCE {
+                break;
+            }
+        }
+        Ok(())
     }
 
     fn system(&mut self) -> Result<System, HierarchyError> {
@@ -247,7 +261,10 @@ impl<'a> Refinement<'a> {
             let (space, scales) = (field.space(), &scales);
             let test = SplitTest { space, contacts, residuals, scales, clip, least_contacts, deepest_level };
             let rates = [options.false_discovery_rate, options.significance_of_children];
-            let split = cells_to_split(space.leaves(), &test.significances(), suspected, rates);
+            let evidence = test.evidence();
+            let significances: Vec<f64> = evidence.iter().map(|cell| cell.significance).collect();
+            let unshaded = |leaf: usize| stands_out(space, &evidence, leaf);
+            let split = cells_to_split(space.leaves(), &significances, suspected, rates, unshaded);
             suspected.extend(split.iter().map(|leaf| space.leaves()[*leaf]));
             split
         })

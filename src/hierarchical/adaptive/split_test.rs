@@ -27,6 +27,10 @@ use palpate_numeric::threads;
 const MOST_BOXES: usize = 32;
 /// Contacts for each box of a grid, on average: with fewer, one box says little and Fisher's law wants gaussian noise.
 const CONTACTS_OF_BOX: usize = 5;
+/// Cells that a swing about a feature reaches.
+const REACH_OF_SWINGS: u32 = 3;
+/// Share of the strongest neighbour's excess below which a cell waits: the first swing of a cubic has a tenth of the feature's squares.
+const SHADE: f64 = 0.1;
 /// Leaves that one thread takes at a time.
 const PIECE: usize = 64;
 
@@ -43,20 +47,33 @@ pub(crate) struct SplitTest<'a> {
     pub deepest_level: usize,
 }
 
+/// What the residuals of a cell say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Evidence {
+    /// How rarely noise alone gives as much; 1 where a cell cannot be split.
+    pub significance: f64,
+    /// Sum of squares beyond noise, in squares of residuals.
+    pub excess: f64,
+}
+
+impl Evidence {
+    const NONE: Evidence = Evidence { significance: 1.0, excess: 0.0 };
+}
+
 /// Count, sum and sum of squares of a box.
 type BoxSums = [f64; 3];
 
 impl SplitTest<'_> {
-    /// Significance of every leaf; 1 where it cannot be split.
-    pub(crate) fn significances(&self) -> Vec<f64> {
-        threads::map(self.space.leaves().len(), PIECE, |leaf| self.significance(leaf))
+    /// Evidence in every leaf.
+    pub(crate) fn evidence(&self) -> Vec<Evidence> {
+        threads::map(self.space.leaves().len(), PIECE, |leaf| self.of_leaf(leaf))
     }
 
-    fn significance(&self, leaf: usize) -> f64 {
+    fn of_leaf(&self, leaf: usize) -> Evidence {
         let cell = self.space.leaves()[leaf];
         let range = self.contacts.of_cell(self.space.mesh(), cell);
         if range.len() < self.least_contacts || usize::from(cell.level) >= self.deepest_level {
-            return 1.0;
+            return Evidence::NONE;
         }
         let heights = self.of_kind(leaf, self.scales.heights[leaf], |r| self.residuals.heights[r]);
         if self.residuals.slopes.is_empty() {
@@ -64,13 +81,17 @@ impl SplitTest<'_> {
         }
         let slopes = [0, 1].map(|k| self.of_kind(leaf, self.scales.slopes[leaf], |r| self.residuals.slopes[r][k]));
         // Bonferroni: three tests of one cell
-        (3.0 * heights.min(slopes[0]).min(slopes[1])).min(1.0)
+        let least = slopes.iter().fold(heights.significance, |least, slope| least.min(slope.significance));
+        // slopes count by their own scale, in squares of heights
+        let ratio = (self.scales.heights[leaf] / self.scales.slopes[leaf].max(f64::MIN_POSITIVE)).powi(2);
+        let excess = heights.excess + ratio * (slopes[0].excess + slopes[1].excess);
+        Evidence { significance: (3.0 * least).min(1.0), excess }
     }
 
     /// Significance of one kind of residuals.
-    fn of_kind(&self, leaf: usize, scale: f64, residual: impl Fn(usize) -> f64) -> f64 {
+    fn of_kind(&self, leaf: usize, scale: f64, residual: impl Fn(usize) -> f64) -> Evidence {
         if scale.is_nan() || scale <= 0.0 {
-            return 1.0;
+            return Evidence::NONE;
         }
         let cell = self.space.leaves()[leaf];
         let range = self.contacts.of_cell(self.space.mesh(), cell);
@@ -90,14 +111,15 @@ impl SplitTest<'_> {
             let value = residual(r).clamp(-limit, limit);
             add(&mut boxes[place(columns.x[r], 0) * side + place(columns.y[r], 1)], [1.0, value, value * value]);
         }
-        let (mut least, mut grids) = (fisher(&boxes), 1.0);
+        let finest = fisher(&boxes);
+        let (mut least, mut grids) = (finest.significance, 1.0);
         while side > 2 {
             boxes = merged(&boxes, side);
             side /= 2;
-            least = fisher(&boxes).min(least);
+            least = fisher(&boxes).significance.min(least);
             grids += 1.0;
         }
-        (grids * least).min(1.0)
+        Evidence { significance: (grids * least).min(1.0), excess: finest.excess }
     }
 }
 
@@ -125,7 +147,7 @@ fn merged(boxes: &[BoxSums], side: usize) -> Vec<BoxSums> {
 }
 
 /// How rarely noise alone gives means so far from zero.
-fn fisher(boxes: &[BoxSums]) -> f64 {
+fn fisher(boxes: &[BoxSums]) -> Evidence {
     let (mut count, mut filled, mut between, mut all) = (0.0, 0.0, 0.0, 0.0);
     for [n, sum, squares] in boxes.iter().filter(|sums| sums[0] > 0.0) {
         count += n;
@@ -135,20 +157,21 @@ fn fisher(boxes: &[BoxSums]) -> f64 {
     }
     let freedom = count - filled;
     if freedom < 1.0 || all <= 0.0 {
-        return 1.0;
+        return Evidence::NONE;
     }
-    let within = (all - between).max(f64::EPSILON * all);
-    let ratio = between / filled / (within / freedom);
-    FisherSnedecor::new(filled, freedom).map_or(1.0, |law| law.sf(ratio))
+    let variance = (all - between).max(f64::EPSILON * all) / freedom;
+    let significance = FisherSnedecor::new(filled, freedom).map_or(1.0, |law| law.sf(between / filled / variance));
+    Evidence { significance, excess: (between - filled * variance).max(0.0) }
 }
 
 /// The leaves to split: the largest set in which at most the share `rate` is expected to be chance, and of the leaves of `suspected`
-/// parents those that are significant `alone`. None where these are as many as chance gives, and nothing else is to be split.
+/// parents those that are significant `alone`; the others wait where they are not `unshaded`. None where these are as many as chance gives, and nothing else is to be split.
 pub(crate) fn cells_to_split(
     cells: &[CellId],
     significances: &[f64],
     suspected: &BTreeSet<CellId>,
     [rate, alone]: [f64; 2],
+    unshaded: impl Fn(usize) -> bool,
 ) -> Vec<usize> {
     let is_suspected = |k: usize| cells[k].level > 0 && suspected.contains(&cells[k].ancestor(cells[k].level - 1));
     let mut others = significances.to_vec();
@@ -159,12 +182,29 @@ pub(crate) fn cells_to_split(
         others[k] = 1.0;
     }
     let mut chosen = discoveries(&others, rate);
+    chosen.retain(|k| unshaded(*k));
     // twice what chance gives: fewer are no reason for another round
     if !chosen.is_empty() || children.len() as f64 > 2.0 * alone * tested {
         chosen.extend(children);
     }
     chosen.sort_unstable();
     chosen
+}
+
+/// Whether no much stronger neighbour explains what a leaf shows: a surface that cannot follow a feature swings about it, less from cell
+/// to cell, and the swings are gone when the feature is followed.
+pub(crate) fn stands_out(space: &HierarchicalSpace, evidence: &[Evidence], leaf: usize) -> bool {
+    let cell = space.leaves()[leaf];
+    let reach = i64::from(REACH_OF_SWINGS);
+    let base = space.mesh().tree().base();
+    let excess_at = |di: i64, dj: i64| {
+        let place = [i64::from(cell.place[0]) + di, i64::from(cell.place[1]) + dj];
+        let inside = (0..2).all(|axis| place[axis] >= 0 && place[axis] >> cell.level < base[axis] as i64);
+        let neighbour = if inside { space.leaf_of(CellId { place: place.map(|k| k as u32), ..cell }) } else { None };
+        neighbour.map_or(0.0, |leaf| evidence[leaf].excess)
+    };
+    let mut near = (-reach..=reach).flat_map(|di| (-reach..=reach).map(move |dj| (di, dj)));
+    near.all(|(di, dj)| evidence[leaf].excess >= SHADE * excess_at(di, dj))
 }
 
 /// The largest set in which at most the share `rate` is expected to be chance.
@@ -194,7 +234,7 @@ mod tests {
                 let v = draw.normal();
                 add(&mut boxes[k % 16], [1.0, v, v * v]);
             }
-            below += usize::from(fisher(&boxes) < 0.05);
+            below += usize::from(fisher(&boxes).significance < 0.05);
         }
         // 200 expected, standard deviation 14
         assert!((150..=250).contains(&below), "{below}");
@@ -222,10 +262,10 @@ mod tests {
         let cells: Vec<CellId> = parent.children().into_iter().chain([CellId { level: 0, place: [0, 0] }]).collect();
         let significances = [0.04, 0.2, 0.05, 0.9, 0.04];
         let none = BTreeSet::new();
-        assert_eq!(cells_to_split(&cells, &significances, &none, [0.01, 0.05]), [] as [usize; 0]);
-        assert_eq!(cells_to_split(&cells, &significances, &BTreeSet::from([parent]), [0.01, 0.05]), [0, 2]);
+        assert_eq!(cells_to_split(&cells, &significances, &none, [0.01, 0.05], |_| true), [] as [usize; 0]);
+        assert_eq!(cells_to_split(&cells, &significances, &BTreeSet::from([parent]), [0.01, 0.05], |_| true), [0, 2]);
         let many: Vec<CellId> = (0..40).flat_map(|_| parent.children()).collect();
         let significances: Vec<f64> = (0..160).map(|k| if k < 16 { 0.04 } else { 0.3 }).collect();
-        assert!(cells_to_split(&many, &significances, &BTreeSet::from([parent]), [0.01, 0.05]).is_empty());
+        assert!(cells_to_split(&many, &significances, &BTreeSet::from([parent]), [0.01, 0.05], |_| true).is_empty());
     }
 }
