@@ -107,7 +107,7 @@ impl<'a> Refinement<'a> {
             } else {
                 self.step(&mut system, 1)?
             }
-            let split = self.to_split();
+            let split = self.find_cells();
             let (cells, unknowns) = (system.space.leaves().len(), system.space.unknowns());
             self.rounds.push(RefinementRound { cells, unknowns, split: split.len() });
             if split.is_empty() || unknowns > self.options.most_unknowns || self.rounds.len() > most {
@@ -249,7 +249,7 @@ impl<'a> Refinement<'a> {
     }
 
     /// Numbers of the leaves that hold more than noise.
-    fn to_split(&mut self) -> Vec<usize> {
+    fn find_cells(&mut self) -> Vec<usize> {
         let Refinement { options, contacts, field, residuals, suspected, work, .. } = self;
         let clip = match options.outliers {
             OutlierRule::Keep => f64::MAX,

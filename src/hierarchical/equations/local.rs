@@ -73,7 +73,7 @@ impl LocalEquations {
         let [x, y] = axes;
         let powers = [2 * x.degree + 1, 2 * y.degree + 1];
         // the integral of u^i over [-1, 1]
-        let integral = |i: usize| if i % 2 == 0 { 2.0 / (i + 1) as f64 } else { 0.0 };
+        let integral = |i: usize| if i.is_multiple_of(2) { 2.0 / (i + 1) as f64 } else { 0.0 };
         let area = half[0] * half[1];
         let g: Vec<f64> =
             (0..powers[0] * powers[1]).map(|k| area * integral(k / powers[1]) * integral(k % powers[1])).collect();
