@@ -8,7 +8,7 @@
 //! Scattered outliers are few everywhere and leave the median alone. A feature that the surface cannot follow yet fills cells, so that
 //! their scale grows and nothing of it is left out.
 
-use crate::equations::{Residuals, SortedContacts};
+use crate::equations::{ContactResiduals, SortedContacts};
 use crate::space::HierarchicalSpace;
 use palpate_numeric::statistics::{RAYLEIGH_TO_SD, mad, median};
 use palpate_numeric::threads;
@@ -28,7 +28,11 @@ pub(crate) struct LocalScales {
 }
 
 impl LocalScales {
-    pub(crate) fn of(space: &HierarchicalSpace, contacts: &SortedContacts, residuals: &Residuals) -> LocalScales {
+    pub(crate) fn of(
+        space: &HierarchicalSpace,
+        contacts: &SortedContacts,
+        residuals: &ContactResiduals,
+    ) -> LocalScales {
         let leaves = space.leaves();
         let weights = contacts.contacts().weights.z.as_deref();
         let pairs = threads::map(leaves.len(), PIECE, |leaf| {
@@ -70,7 +74,7 @@ pub(crate) fn deviation(residual: f64, slope: Option<[f64; 2]>, scales: [f64; 2]
 pub(crate) fn shares(
     space: &HierarchicalSpace,
     contacts: &SortedContacts,
-    residuals: &Residuals,
+    residuals: &ContactResiduals,
     scales: &LocalScales,
     rule: impl Fn(f64) -> f64 + Sync,
 ) -> Vec<f64> {

@@ -18,7 +18,7 @@ mod system;
 mod tests;
 
 pub use answer::{AdaptiveFit, AdaptiveReport};
-pub use options::{AdaptiveOptions, OutlierRule, RowNoise};
+pub use options::{AdaptiveOptions, OutlierRule, RowVariances};
 pub use refinement::RefinementRound;
 pub use system::FitWork;
 
@@ -28,7 +28,7 @@ use crate::factor::SelectedInverse;
 use crate::mesh::Mesh;
 use palpate_geometry::contact::{Contacts, Frame};
 use palpate_numeric::bspline::Knots;
-use refinement::Refinement;
+use refinement::MeshRefinement;
 use system::{System, timed};
 
 /// Fits a height field to contacts with or without slopes or normals.
@@ -60,12 +60,12 @@ pub fn fit_adaptive(contacts: &Contacts, options: &AdaptiveOptions) -> Result<Ad
     let mut sorting = std::time::Duration::ZERO;
     let sorted = timed(&mut sorting, || SortedContacts::new(contacts, &frame, &mesh))?;
     let weights = match options.noise {
-        RowNoise::Known { heights, slopes } => {
+        RowVariances::Known { heights, slopes } => {
             BlockWeights { heights: 1.0, slopes: (heights / (frame.scale * slopes)).powi(2) }
         }
-        RowNoise::Estimated => BlockWeights { heights: 1.0, slopes: 1.0 },
+        RowVariances::Estimated => BlockWeights { heights: 1.0, slopes: 1.0 },
     };
-    let mut refinement = Refinement::begin(options, &sorted, mesh, weights)?;
+    let mut refinement = MeshRefinement::begin(options, &sorted, mesh, weights)?;
     refinement.work.sorting = sorting;
     let system = refinement.run()?;
     Ok(answered(refinement, system, frame))
@@ -96,7 +96,7 @@ fn base_mesh(
 }
 
 /// The answer from the last fit.
-fn answered(mut refinement: Refinement, system: System, frame: Frame) -> AdaptiveFit {
+fn answered(mut refinement: MeshRefinement, system: System, frame: Frame) -> AdaptiveFit {
     let inverse = refinement
         .options
         .uncertainty
@@ -105,8 +105,8 @@ fn answered(mut refinement: Refinement, system: System, frame: Frame) -> Adaptiv
     let traces = inverse.as_ref().map(|inverse| traces(&refinement, &system, inverse));
     let [heights, slopes] = refinement.components(traces.unwrap_or_default());
     let declared = match refinement.options.noise {
-        RowNoise::Known { heights, slopes } => Some((heights / frame.scale, slopes)),
-        RowNoise::Estimated => None,
+        RowVariances::Known { heights, slopes } => Some((heights / frame.scale, slopes)),
+        RowVariances::Estimated => None,
     };
     let oriented = refinement.contacts.oriented();
     let outliers = refinement.shares.iter().flatten().enumerate().filter(|(_, share)| **share == 0.0);
@@ -132,7 +132,7 @@ fn answered(mut refinement: Refinement, system: System, frame: Frame) -> Adaptiv
 }
 
 /// Degrees of freedom that the surface takes of the heights and of the slopes: `tr (A + lambda P)^-1 A_k`.
-fn traces(refinement: &Refinement, system: &System, inverse: &SelectedInverse) -> [f64; 2] {
+fn traces(refinement: &MeshRefinement, system: &System, inverse: &SelectedInverse) -> [f64; 2] {
     let degree = system.space.mesh().levels().degree();
     let mut sums = CellSums::empty(system.space.leaves().len(), degree, refinement.contacts);
     sums.add(refinement.contacts, &refinement.field, &refinement.residuals, refinement.shares.as_deref());

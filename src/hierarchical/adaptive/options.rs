@@ -20,7 +20,7 @@ pub enum OutlierRule {
 
 /// How slope or normal rows are weighed against height rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RowNoise {
+pub enum RowVariances {
     /// Both variances are estimated with the fit.
     Estimated,
     /// Standard deviations of heights (input units) and of slopes, or of normals in radians for each tangent axis.
@@ -59,7 +59,7 @@ pub struct AdaptiveOptions {
     /// What happens to outliers.
     pub outliers: OutlierRule,
     /// How the rows are weighed.
-    pub noise: RowNoise,
+    pub noise: RowVariances,
     /// Whether the entries of the inverse are computed, which standard uncertainties ask for. Default yes.
     pub uncertainty: bool,
 }
@@ -77,7 +77,7 @@ impl Default for AdaptiveOptions {
             most_unknowns: 2_000_000,
             roughness_order: 2,
             outliers: OutlierRule::Reject { clip: 3.0, reject: 4.5 },
-            noise: RowNoise::Estimated,
+            noise: RowVariances::Estimated,
             uncertainty: true,
         }
     }
@@ -114,7 +114,7 @@ impl AdaptiveOptions {
         {
             return wrong("outliers", format!("{clip}, {reject}"), "positive scales, rejection not below clipping");
         }
-        if let RowNoise::Known { heights, slopes } = self.noise
+        if let RowVariances::Known { heights, slopes } = self.noise
             && !(heights > 0.0 && slopes > 0.0 && heights.is_finite() && slopes.is_finite())
         {
             return wrong("noise", format!("{heights}, {slopes}"), "positive standard deviations");

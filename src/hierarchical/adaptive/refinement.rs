@@ -12,10 +12,10 @@ use std::sync::Arc;
 
 use super::local_scale::{LocalScales, shares};
 use super::marginal_likelihood::{StepEquations, lambdas_of_levels};
-use super::options::{AdaptiveOptions, OutlierRule, RowNoise};
+use super::options::{AdaptiveOptions, OutlierRule, RowVariances};
 use super::split_test::{SplitTest, cells_to_split, stands_out};
 use super::system::{FitWork, System, timed};
-use crate::equations::{BlockWeights, CellSums, Residuals, SortedContacts};
+use crate::equations::{BlockWeights, CellSums, ContactResiduals, SortedContacts};
 use crate::error::HierarchyError;
 use crate::field::HierarchicalField;
 use crate::mesh::{CellId, Mesh};
@@ -53,11 +53,11 @@ pub struct RefinementRound {
 
 /// A fit under way.
 #[derive(Debug)]
-pub(super) struct Refinement<'a> {
+pub(super) struct MeshRefinement<'a> {
     pub options: &'a AdaptiveOptions,
     pub contacts: &'a SortedContacts,
     pub field: HierarchicalField,
-    pub residuals: Residuals,
+    pub residuals: ContactResiduals,
     pub shares: Option<Vec<f64>>,
     pub weights: BlockWeights,
     /// Weights of the roughness over the cells of every level; none before the first fit.
@@ -70,19 +70,19 @@ pub(super) struct Refinement<'a> {
     pub work: FitWork,
 }
 
-impl<'a> Refinement<'a> {
+impl<'a> MeshRefinement<'a> {
     /// The surface z = 0 over the base grid.
     pub(super) fn begin(
         options: &'a AdaptiveOptions,
         contacts: &'a SortedContacts,
         mesh: Mesh,
         weights: BlockWeights,
-    ) -> Result<Refinement<'a>, HierarchyError> {
+    ) -> Result<MeshRefinement<'a>, HierarchyError> {
         let space = Arc::new(HierarchicalSpace::new(mesh));
         let flat = vec![0.0; space.unknowns()];
         let field = HierarchicalField::new(space, flat)?;
-        let residuals = Residuals::of(contacts, &field);
-        Ok(Refinement {
+        let residuals = ContactResiduals::of(contacts, &field);
+        Ok(MeshRefinement {
             options,
             contacts,
             field,
@@ -140,7 +140,7 @@ impl<'a> Refinement<'a> {
     /// One step from the surface at hand; `search` likelihoods are asked for lambda, none: it stays.
     pub(super) fn step(&mut self, system: &mut System, search: usize) -> Result<(), HierarchyError> {
         let degree = system.space.mesh().levels().degree();
-        let Refinement { contacts, field, residuals, shares, weights, work, .. } = self;
+        let MeshRefinement { contacts, field, residuals, shares, weights, work, .. } = self;
         let sums = timed(&mut work.passes, || {
             let mut sums = CellSums::empty(system.space.leaves().len(), degree, contacts);
             sums.add(contacts, field, residuals, shares.as_deref());
@@ -171,7 +171,7 @@ impl<'a> Refinement<'a> {
         work.factorisations += step.factorisations;
         let moved = field.coefficients().iter().zip(&step.delta).map(|(c, d)| c + d).collect();
         *field = HierarchicalField::new(system.space.clone(), moved)?;
-        *residuals = timed(&mut work.passes, || Residuals::of(contacts, field));
+        *residuals = timed(&mut work.passes, || ContactResiduals::of(contacts, field));
         self.variance = step.variance;
         self.lambdas.iter_mut().for_each(|lambda| *lambda *= step.factor_of_lambda);
         if search > 0 && self.lambdas.len() > 1 {
@@ -185,7 +185,7 @@ impl<'a> Refinement<'a> {
 
     /// The two kinds of rows by their variances; `traces` are the degrees of freedom that the surface took of each.
     pub(super) fn weigh(&mut self, traces: [f64; 2]) {
-        if self.residuals.slopes.is_empty() || self.options.noise != RowNoise::Estimated {
+        if self.residuals.slopes.is_empty() || self.options.noise != RowVariances::Estimated {
             return;
         }
         let [heights, slopes] = self.components(traces).map(|component| component.sd(1.0).unwrap_or(0.0));
@@ -219,7 +219,7 @@ impl<'a> Refinement<'a> {
     }
 
     fn shares_by(&mut self, rule: impl Fn(f64) -> f64 + Sync) -> Option<Vec<f64>> {
-        let Refinement { contacts, field, residuals, work, .. } = self;
+        let MeshRefinement { contacts, field, residuals, work, .. } = self;
         Some(timed(&mut work.passes, || {
             let scales = LocalScales::of(field.space(), contacts, residuals);
             shares(field.space(), contacts, residuals, &scales, rule)
@@ -250,7 +250,7 @@ impl<'a> Refinement<'a> {
 
     /// Numbers of the leaves that hold more than noise.
     fn find_cells(&mut self) -> Vec<usize> {
-        let Refinement { options, contacts, field, residuals, suspected, work, .. } = self;
+        let MeshRefinement { options, contacts, field, residuals, suspected, work, .. } = self;
         let clip = match options.outliers {
             OutlierRule::Keep => f64::MAX,
             OutlierRule::Reject { clip, .. } => clip,
@@ -271,7 +271,7 @@ impl<'a> Refinement<'a> {
     }
 
     fn split(&mut self, space: &HierarchicalSpace, leaves: &[usize]) -> Result<(), HierarchyError> {
-        let Refinement { field, work, .. } = self;
+        let MeshRefinement { field, work, .. } = self;
         // the surface is the same but for rounding, and so are the residuals
         *field = timed(&mut work.assembly, || {
             let mut mesh = space.mesh().clone();

@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::local_scale::LocalScales;
-use crate::equations::{Residuals, SortedContacts};
+use crate::equations::{ContactResiduals, SortedContacts};
 use crate::mesh::CellId;
 use crate::space::HierarchicalSpace;
 use palpate_numeric::threads;
@@ -39,9 +39,9 @@ const PIECE: usize = 64;
 pub(crate) struct SplitTest<'a> {
     pub space: &'a HierarchicalSpace,
     pub contacts: &'a SortedContacts,
-    pub residuals: &'a Residuals,
+    pub residuals: &'a ContactResiduals,
     pub scales: &'a LocalScales,
-    /// Residuals are clipped at so many local scales.
+    /// ContactResiduals are clipped at so many local scales.
     pub clip: f64,
     pub least_contacts: usize,
     pub deepest_level: usize,
@@ -49,15 +49,15 @@ pub(crate) struct SplitTest<'a> {
 
 /// What the residuals of a cell say.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Evidence {
+pub(crate) struct CellEvidence {
     /// How rarely noise alone gives as much; 1 where a cell cannot be split.
     pub significance: f64,
     /// Sum of squares beyond noise, in squares of residuals.
     pub excess: f64,
 }
 
-impl Evidence {
-    const NONE: Evidence = Evidence { significance: 1.0, excess: 0.0 };
+impl CellEvidence {
+    const NONE: CellEvidence = CellEvidence { significance: 1.0, excess: 0.0 };
 }
 
 /// Count, sum and sum of squares of a box.
@@ -65,15 +65,15 @@ type BoxSums = [f64; 3];
 
 impl SplitTest<'_> {
     /// Evidence in every leaf.
-    pub(crate) fn evidence(&self) -> Vec<Evidence> {
+    pub(crate) fn evidence(&self) -> Vec<CellEvidence> {
         threads::map(self.space.leaves().len(), PIECE, |leaf| self.of_leaf(leaf))
     }
 
-    fn of_leaf(&self, leaf: usize) -> Evidence {
+    fn of_leaf(&self, leaf: usize) -> CellEvidence {
         let cell = self.space.leaves()[leaf];
         let range = self.contacts.of_cell(self.space.mesh(), cell);
         if range.len() < self.least_contacts || usize::from(cell.level) >= self.deepest_level {
-            return Evidence::NONE;
+            return CellEvidence::NONE;
         }
         let heights = self.of_kind(leaf, self.scales.heights[leaf], |r| self.residuals.heights[r]);
         if self.residuals.slopes.is_empty() {
@@ -85,13 +85,13 @@ impl SplitTest<'_> {
         // slopes count by their own scale, in squares of heights
         let ratio = (self.scales.heights[leaf] / self.scales.slopes[leaf].max(f64::MIN_POSITIVE)).powi(2);
         let excess = heights.excess + ratio * (slopes[0].excess + slopes[1].excess);
-        Evidence { significance: (3.0 * least).min(1.0), excess }
+        CellEvidence { significance: (3.0 * least).min(1.0), excess }
     }
 
     /// Significance of one kind of residuals.
-    fn of_kind(&self, leaf: usize, scale: f64, residual: impl Fn(usize) -> f64) -> Evidence {
+    fn of_kind(&self, leaf: usize, scale: f64, residual: impl Fn(usize) -> f64) -> CellEvidence {
         if scale.is_nan() || scale <= 0.0 {
-            return Evidence::NONE;
+            return CellEvidence::NONE;
         }
         let cell = self.space.leaves()[leaf];
         let range = self.contacts.of_cell(self.space.mesh(), cell);
@@ -119,7 +119,7 @@ impl SplitTest<'_> {
             least = fisher(&boxes).significance.min(least);
             grids += 1.0;
         }
-        Evidence { significance: (grids * least).min(1.0), excess: finest.excess }
+        CellEvidence { significance: (grids * least).min(1.0), excess: finest.excess }
     }
 }
 
@@ -147,7 +147,7 @@ fn merged(boxes: &[BoxSums], side: usize) -> Vec<BoxSums> {
 }
 
 /// How rarely noise alone gives means so far from zero.
-fn fisher(boxes: &[BoxSums]) -> Evidence {
+fn fisher(boxes: &[BoxSums]) -> CellEvidence {
     let (mut count, mut filled, mut between, mut all) = (0.0, 0.0, 0.0, 0.0);
     for [n, sum, squares] in boxes.iter().filter(|sums| sums[0] > 0.0) {
         count += n;
@@ -157,11 +157,11 @@ fn fisher(boxes: &[BoxSums]) -> Evidence {
     }
     let freedom = count - filled;
     if freedom < 1.0 || all <= 0.0 {
-        return Evidence::NONE;
+        return CellEvidence::NONE;
     }
     let variance = (all - between).max(f64::EPSILON * all) / freedom;
     let significance = FisherSnedecor::new(filled, freedom).map_or(1.0, |law| law.sf(between / filled / variance));
-    Evidence { significance, excess: (between - filled * variance).max(0.0) }
+    CellEvidence { significance, excess: (between - filled * variance).max(0.0) }
 }
 
 /// The leaves to split: the largest set in which at most the share `rate` is expected to be chance, and of the leaves of `suspected`
@@ -193,7 +193,7 @@ pub(crate) fn cells_to_split(
 
 /// Whether no much stronger neighbour explains what a leaf shows: a surface that cannot follow a feature swings about it, less from cell
 /// to cell, and the swings are gone when the feature is followed.
-pub(crate) fn stands_out(space: &HierarchicalSpace, evidence: &[Evidence], leaf: usize) -> bool {
+pub(crate) fn stands_out(space: &HierarchicalSpace, evidence: &[CellEvidence], leaf: usize) -> bool {
     let cell = space.leaves()[leaf];
     let reach = i64::from(REACH_OF_SWINGS);
     let base = space.mesh().tree().base();

@@ -18,6 +18,6 @@ mod tests;
 
 pub use local::BlockWeights;
 pub use matrix::{LevelRoughness, MeetingPattern};
-pub use residuals::Residuals;
+pub use residuals::ContactResiduals;
 pub use sorted_contacts::{SortedContacts, patch_frame};
 pub use sums::CellSums;

@@ -16,7 +16,7 @@ use palpate_numeric::threads;
 
 /// Residuals in the order of the sorted contacts.
 #[derive(Clone, Debug, Default)]
-pub struct Residuals {
+pub struct ContactResiduals {
     /// `z - S`, patch units.
     pub heights: Vec<f64>,
     /// Two numbers for each contact with a slope or a normal; empty without.
@@ -57,12 +57,12 @@ pub(crate) fn slope_residual(contacts: &SortedContacts, r: usize, p: f64, q: f64
     }
 }
 
-impl Residuals {
+impl ContactResiduals {
     /// Those of all contacts about a surface, on all threads.
-    pub fn of(contacts: &SortedContacts, field: &HierarchicalField) -> Residuals {
+    pub fn of(contacts: &SortedContacts, field: &HierarchicalField) -> ContactResiduals {
         let space = field.space();
         let leaves = space.leaves();
-        let mut made = Residuals {
+        let mut made = ContactResiduals {
             heights: vec![0.0; contacts.len()],
             slopes: if contacts.oriented() { vec![[0.0; 2]; contacts.len()] } else { Vec::new() },
         };

@@ -10,7 +10,7 @@
 //! contact's rows have one weight, the four sums G are one.
 
 use super::polynomials::CellPolynomial;
-use super::residuals::{Residuals, leaf_polynomial, slope_residual};
+use super::residuals::{ContactResiduals, leaf_polynomial, slope_residual};
 use super::sorted_contacts::SortedContacts;
 use crate::field::HierarchicalField;
 use palpate_geometry::contact::Orientation;
@@ -100,7 +100,7 @@ impl CellSums {
         &mut self,
         contacts: &SortedContacts,
         field: &HierarchicalField,
-        residuals: &Residuals,
+        residuals: &ContactResiduals,
         shares: Option<&[f64]>,
     ) {
         let stride = self.layout.stride();
@@ -173,7 +173,7 @@ impl Batch {
         &mut self,
         contacts: &SortedContacts,
         polynomial: &CellPolynomial,
-        residuals: &Residuals,
+        residuals: &ContactResiduals,
         shares: Option<&[f64]>,
         range: std::ops::Range<usize>,
     ) {

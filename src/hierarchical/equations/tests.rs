@@ -78,7 +78,7 @@ fn packed_cells_give_the_rows_of_the_contacts() {
             }
             let sorted = SortedContacts::new(&measured, &Frame::IDENTITY, space.mesh()).unwrap();
             let weights = BlockWeights { heights: 1.7, slopes: 0.3 };
-            let residuals = Residuals::of(&sorted, &field);
+            let residuals = ContactResiduals::of(&sorted, &field);
             let mut sums = CellSums::empty(space.leaves().len(), degree, &sorted);
             sums.add(&sorted, &field, &residuals, None);
             let pattern = MeetingPattern::of(&space);
@@ -114,7 +114,7 @@ fn pieces_and_kinds_of_sums_agree() {
             piece.weights.x = weighted.then(|| vec![1.0; to - from]);
             let sorted = SortedContacts::new(&piece, &Frame::IDENTITY, space.mesh()).unwrap();
             let sums = all.get_or_insert_with(|| CellSums::empty(space.leaves().len(), [3, 3], &sorted));
-            sums.add(&sorted, &field, &Residuals::of(&sorted, &field), None);
+            sums.add(&sorted, &field, &ContactResiduals::of(&sorted, &field), None);
         }
         let sums = all.unwrap();
         let pattern = MeetingPattern::of(&space);
@@ -140,7 +140,7 @@ fn roughness_is_the_integral() {
     let sorted = SortedContacts::new(&measured, &Frame::IDENTITY, space.mesh()).unwrap();
     let zero = HierarchicalField::new(space.clone(), vec![0.0; space.unknowns()]).unwrap();
     let mut sums = CellSums::empty(space.leaves().len(), [3, 2], &sorted);
-    sums.add(&sorted, &zero, &Residuals::of(&sorted, &zero), None);
+    sums.add(&sorted, &zero, &ContactResiduals::of(&sorted, &zero), None);
     let pattern = MeetingPattern::of(&space);
     let (values, load) = pattern.assemble(&space, &sums, BlockWeights { heights: 1.0, slopes: 0.0 });
     let mut factor = crate::factor::SparseCholesky::plan(pattern.starts(), pattern.rows()).unwrap();
@@ -168,7 +168,7 @@ fn one_and_two_threads_give_the_same_bits() {
         pool.install(|| {
             let sorted = SortedContacts::new(&measured, &Frame::IDENTITY, space.mesh()).unwrap();
             let mut sums = CellSums::empty(space.leaves().len(), [3, 3], &sorted);
-            sums.add(&sorted, &field, &Residuals::of(&sorted, &field), None);
+            sums.add(&sorted, &field, &ContactResiduals::of(&sorted, &field), None);
             MeetingPattern::of(&space).assemble(&space, &sums, BlockWeights { heights: 1.0, slopes: 0.0 })
         })
     };

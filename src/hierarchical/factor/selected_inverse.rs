@@ -38,7 +38,7 @@ impl SelectedInverse {
     pub fn of(factor: &SparseCholesky) -> Option<SelectedInverse> {
         let (symbolic, llt) = factor.supernodal()?;
         let mut inverse = SelectedInverse::shaped(factor, symbolic);
-        let mut scratch = Scratch::default();
+        let mut scratch = GatherMemory::default();
         for s in (0..symbolic.n_supernodes()).rev() {
             inverse.advance(s, llt.supernode(s).val(), &mut scratch);
         }
@@ -72,7 +72,7 @@ impl SelectedInverse {
     }
 
     /// `Z_RJ` and `Z_JJ` of supernode s.
-    fn advance(&mut self, s: usize, block: MatRef<'_, f64>, scratch: &mut Scratch) {
+    fn advance(&mut self, s: usize, block: MatRef<'_, f64>, scratch: &mut GatherMemory) {
         let columns = self.begins[s + 1] - self.begins[s];
         let count = self.below(s).len();
         let lower = block.subrows(0, columns);
@@ -98,7 +98,7 @@ impl SelectedInverse {
     }
 
     /// `Z_RR` into a dense square: the columns of each later supernode that R meets hold all of R that lies at or below them.
-    fn gather(&self, s: usize, scratch: &mut Scratch) {
+    fn gather(&self, s: usize, scratch: &mut GatherMemory) {
         let rows = self.below(s);
         let count = rows.len();
         if scratch.square.len() < count * count {
@@ -160,7 +160,7 @@ impl SelectedInverse {
 
 /// Memory that supernodes share.
 #[derive(Default)]
-struct Scratch {
+struct GatherMemory {
     square: Vec<f64>,
     places: Vec<usize>,
 }

@@ -5,6 +5,8 @@
 //! ```
 
 mod embedding;
+#[cfg(test)]
+mod space_tests;
 
 use std::sync::Arc;
 

@@ -196,6 +196,3 @@ fn number_functions(mesh: &Mesh, levels: &mut [LevelFunctions]) -> Vec<ActiveFun
     }
     functions
 }
-
-#[cfg(test)]
-mod tests;

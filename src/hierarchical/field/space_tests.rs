@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use super::HierarchicalSpace;
-use crate::field::HierarchicalField;
+use super::HierarchicalField;
 use crate::mesh::{CellId, Mesh};
+use crate::space::{ActiveFunction, HierarchicalSpace, LocalFunction};
 use palpate_numeric::bspline::Knots;
 use palpate_numeric::draws::Lcg;
 
 /// A base grid of random degrees, segments and knots, with random cells refined up to level 4.
-pub(crate) fn random_mesh(draw: &mut Lcg) -> Mesh {
+fn random_mesh(draw: &mut Lcg) -> Mesh {
     let mut below = |n: usize| (draw.uniform() * n as f64) as usize;
     let mut axis = || {
         let (degree, segments) = (2 + below(4), 1 + below(5));
@@ -68,7 +68,7 @@ fn coefficients_of(space: &HierarchicalSpace, degree: [usize; 2], c: &[f64]) -> 
         }
         sums
     };
-    let of = |function: &super::ActiveFunction| -> f64 {
+    let of = |function: &ActiveFunction| -> f64 {
         let axes = space.mesh().levels().at(function.level.into());
         let [x, y] = [0, 1].map(|axis| elementary(axes[axis].knots(), function.place[axis] as usize));
         let row = |a: usize| y.iter().enumerate().map(|(b, e)| c[a * (degree[1] + 1) + b] * e).sum::<f64>();
@@ -87,7 +87,7 @@ fn check(mesh: Mesh, draw: &mut Lcg) {
         space.functions_on(leaf, &mut on_cell);
         assert!(on_cell.len() <= most, "{} functions on a cell, at most {most}", on_cell.len());
         for function in space.local_functions(leaf) {
-            if let super::LocalFunction::Truncated(shares) = function {
+            if let LocalFunction::Truncated(shares) = function {
                 assert!(shares.iter().all(|(_, share)| (0.0..=1.0 + 1e-12).contains(share)));
             }
         }
