@@ -127,20 +127,13 @@ pub(crate) fn lambdas_of_levels(
     let contacts: f64 = diagonal(matrix).iter().sum();
     let probes: Vec<[Vec<f64>; 2]> = (0..PROBES).map(|probe| signs_and_solution(system, unknowns, probe)).collect();
     let free = (unknowns as f64 - smooth).max(1.0) / unknowns as f64;
-    let (mut values, mut product) = (vec![0.0; pattern.rows().len()], vec![0.0; unknowns]);
-    let mut next = |(level, lambda): (usize, &f64)| {
-        values.fill(0.0);
-        system.roughness[level].add_to(1.0, &mut values);
-        let own = diagonal(&values);
-        let total: f64 = own.iter().sum();
-        let shares = own.iter().zip(&whole).filter(|(_, p)| **p > 0.0).map(|(own, p)| lambda * own / p);
+    let next = |(level, lambda): (usize, &f64)| {
+        let roughness = &system.roughness[level];
+        let total: f64 = roughness.diagonal().map(|(_, own)| own).sum();
+        let shares = roughness.diagonal().filter(|(k, _)| whole[*k] > 0.0).map(|(k, own)| lambda * own / whole[k]);
         let rank = shares.sum::<f64>() * free;
-        let mut form = |a: &[f64], b: &[f64]| {
-            pattern.multiply(&values, a, &mut product);
-            product.iter().zip(b).map(|(x, y)| x * y).sum::<f64>()
-        };
-        let rough = form(coefficients, coefficients);
-        let trace = probes.iter().map(|[signs, solution]| form(signs, solution)).sum::<f64>() / PROBES as f64;
+        let rough = roughness.form(coefficients, coefficients);
+        let trace = probes.iter().map(|[signs, solution]| roughness.form(signs, solution)).sum::<f64>() / PROBES as f64;
         if total <= 0.0 || rank <= 0.0 {
             return *lambda;
         }
@@ -149,7 +142,7 @@ pub(crate) fn lambdas_of_levels(
         let wanted = if rough > 0.0 { variance * left / rough } else { most };
         wanted.clamp(lambda / LONGEST_STEP, lambda * LONGEST_STEP).min(most)
     };
-    let mut found: Vec<f64> = lambdas.iter().enumerate().map(&mut next).collect();
+    let mut found: Vec<f64> = lambdas.iter().enumerate().map(next).collect();
     // cells are small where the surface is rougher than elsewhere: a few smooth ones among them must not stiffen the others
     (1..found.len()).for_each(|level| found[level] = found[level].min(found[level - 1]));
     found

@@ -41,7 +41,7 @@ pub(crate) struct SplitTest<'a> {
     pub contacts: &'a SortedContacts,
     pub residuals: &'a ContactResiduals,
     pub scales: &'a LocalScales,
-    /// ContactResiduals are clipped at so many local scales.
+    /// Residuals are clipped at so many local scales.
     pub clip: f64,
     pub least_contacts: usize,
     pub deepest_level: usize,

@@ -6,7 +6,7 @@
 //! roughness of order m        sum_j binomial(m, j) integral (d^m S / dx^j dy^(m-j))^2
 //! ```
 
-use super::polynomials::{AxisPolynomials, Products};
+use super::polynomials::{AxisPolynomials, AxisTable, Products};
 use super::sums::CellSum;
 
 /// Weights of both kinds of rows, squared.
@@ -38,40 +38,36 @@ impl LocalEquations {
     }
 
     /// Adds the rows of a cell's contacts.
-    pub(crate) fn add_contacts(&mut self, axes: &[AxisPolynomials; 2], sums: &CellSum, weights: BlockWeights) {
-        let [x, y] = axes;
-        let values = [x.products([0, 0]), y.products([0, 0])];
+    pub(crate) fn add_contacts(&mut self, [x, y]: [&AxisTable; 2], sums: &CellSum, weights: BlockWeights) {
         if let Some(g) = sums.moments(0) {
-            self.add_products([&values[0], &values[1]], g, weights.heights);
+            self.add_products([&x.squares[0], &y.squares[0]], g, weights.heights);
         }
+        let axes = [&x.functions, &y.functions];
         self.add_load(axes, [0, 0], sums.loads(0), weights.heights);
         if weights.slopes > 0.0 {
-            self.add_slopes(axes, sums, weights.slopes);
+            self.add_slopes([x, y], sums, weights.slopes);
+            self.add_load(axes, [1, 0], sums.loads(1), weights.slopes);
+            self.add_load(axes, [0, 1], sums.loads(2), weights.slopes);
         }
         self.mirror();
     }
 
-    fn add_slopes(&mut self, axes: &[AxisPolynomials; 2], sums: &CellSum, weight: f64) {
-        let [x, y] = axes;
-        let values = [x.products([0, 0]), y.products([0, 0])];
+    fn add_slopes(&mut self, [x, y]: [&AxisTable; 2], sums: &CellSum, weight: f64) {
         if let Some(g) = sums.moments(1) {
-            self.add_products([&x.products([1, 1]), &values[1]], g, weight);
+            self.add_products([&x.squares[1], &y.squares[0]], g, weight);
         }
         if let Some(g) = sums.moments(2) {
-            self.add_products([&x.products([1, 0]), &y.products([0, 1])], g, weight);
-            self.add_products([&x.products([0, 1]), &y.products([1, 0])], g, weight);
+            self.add_products([&x.mixed[0], &y.mixed[1]], g, weight);
+            self.add_products([&x.mixed[1], &y.mixed[0]], g, weight);
         }
         if let Some(g) = sums.moments(3) {
-            self.add_products([&values[0], &y.products([1, 1])], g, weight);
+            self.add_products([&x.squares[0], &y.squares[1]], g, weight);
         }
-        self.add_load(axes, [1, 0], sums.loads(1), weight);
-        self.add_load(axes, [0, 1], sums.loads(2), weight);
     }
 
     /// Adds the roughness of this order over a cell with these half sides.
-    pub(crate) fn add_roughness(&mut self, axes: &[AxisPolynomials; 2], half: [f64; 2], order: usize) {
-        let [x, y] = axes;
-        let powers = [2 * x.degree + 1, 2 * y.degree + 1];
+    pub(crate) fn add_roughness(&mut self, [x, y]: [&AxisTable; 2], half: [f64; 2], order: usize) {
+        let powers = self.widths.map(|width| 2 * width - 1);
         // the integral of u^i over [-1, 1]
         let integral = |i: usize| if i.is_multiple_of(2) { 2.0 / (i + 1) as f64 } else { 0.0 };
         let area = half[0] * half[1];
@@ -79,7 +75,7 @@ impl LocalEquations {
             (0..powers[0] * powers[1]).map(|k| area * integral(k / powers[1]) * integral(k % powers[1])).collect();
         let mut binomial = 1.0;
         for j in 0..=order {
-            self.add_products([&x.products([j, j]), &y.products([order - j, order - j])], &g, binomial);
+            self.add_products([&x.squares[j], &y.squares[order - j]], &g, binomial);
             binomial *= (order - j) as f64 / (j + 1) as f64;
         }
         self.mirror();
@@ -131,7 +127,7 @@ impl LocalEquations {
         }
     }
 
-    fn add_load(&mut self, [x, y]: &[AxisPolynomials; 2], orders: [usize; 2], f: &[f64], factor: f64) {
+    fn add_load(&mut self, [x, y]: [&AxisPolynomials; 2], orders: [usize; 2], f: &[f64], factor: f64) {
         let [wide, high] = self.widths;
         for a in 0..wide {
             for b in 0..high {

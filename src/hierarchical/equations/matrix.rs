@@ -8,13 +8,16 @@ use nalgebra_sparse::CscMatrix;
 use nalgebra_sparse::pattern::SparsityPattern;
 
 use super::local::{BlockWeights, LocalEquations};
-use super::polynomials::AxisPolynomials;
+use super::polynomials::{AxisTable, AxisTables};
 use super::sums::CellSums;
 use crate::space::{HierarchicalSpace, LocalFunction};
 use palpate_numeric::threads;
 
 /// Leaves whose parts are made on all threads before they are added, one after another.
 const PIECE: usize = 2048;
+
+/// Leaves that a thread takes at a time at least: their segments' tables are made once.
+const LEAVES_OF_THREAD: usize = 128;
 
 /// Which functions meet on some cell: the upper triangle of every matrix over a space.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,14 +30,40 @@ pub struct MeetingPattern {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LevelRoughness {
     places: Vec<u32>,
+    /// Row and column of every place.
+    pairs: Vec<[u32; 2]>,
     values: Vec<f64>,
 }
 
 impl LevelRoughness {
-    fn of(values: &[f64]) -> LevelRoughness {
-        let filled = values.iter().enumerate().filter(|(_, v)| **v != 0.0);
-        let (places, values) = filled.map(|(place, v)| (place as u32, *v)).unzip();
-        LevelRoughness { places, values }
+    fn of(pattern: &MeetingPattern, values: &[f64]) -> LevelRoughness {
+        let mut made = LevelRoughness::default();
+        for column in 0..pattern.order() {
+            for place in pattern.starts[column]..pattern.starts[column + 1] {
+                if values[place] != 0.0 {
+                    made.places.push(place as u32);
+                    made.pairs.push([pattern.rows[place] as u32, column as u32]);
+                    made.values.push(values[place]);
+                }
+            }
+        }
+        made
+    }
+
+    /// `a' P b`.
+    pub fn form(&self, a: &[f64], b: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for ([i, k], value) in self.pairs.iter().zip(&self.values) {
+            let (i, k) = (*i as usize, *k as usize);
+            sum += value * if i == k { a[i] * b[i] } else { a[i] * b[k] + a[k] * b[i] };
+        }
+        sum
+    }
+
+    /// The diagonal, `(function, entry)`.
+    pub fn diagonal(&self) -> impl Iterator<Item = (usize, f64)> {
+        let own = self.pairs.iter().zip(&self.values).filter(|([i, k], _)| i == k);
+        own.map(|([i, _], value)| (*i as usize, *value))
     }
 
     /// Adds a multiple to the values of a matrix.
@@ -156,7 +185,7 @@ impl MeetingPattern {
         let of_level = |leaves: &Vec<usize>| {
             let (values, _) =
                 self.add_leaves(space, leaves, |leaf, axes, local| local.add_roughness(axes, half(leaf), order));
-            LevelRoughness::of(&values)
+            LevelRoughness::of(self, &values)
         };
         by_level.iter().map(of_level).collect()
     }
@@ -165,18 +194,17 @@ impl MeetingPattern {
         &self,
         space: &HierarchicalSpace,
         leaves: &[usize],
-        part: impl Fn(usize, &[AxisPolynomials; 2], &mut LocalEquations) + Sync,
+        part: impl Fn(usize, [&AxisTable; 2], &mut LocalEquations) + Sync,
     ) -> (Vec<f64>, Vec<f64>) {
         let (mut values, mut load) = (vec![0.0; self.rows.len()], vec![0.0; self.order()]);
         let widths = space.mesh().levels().degree().map(|p| p + 1);
         for piece in leaves.chunks(PIECE) {
-            let start = || LocalEquations::zeros(widths);
-            let parts = threads::map_with(piece.len(), 16, start, |local, k| {
+            let start = || (LocalEquations::zeros(widths), AxisTables::default());
+            let parts = threads::map_with(piece.len(), LEAVES_OF_THREAD, start, |(local, tables), k| {
                 let leaf = piece[k];
-                let (cell, knots) = (space.leaves()[leaf], space.knots_of(leaf));
-                let axes = [0, 1].map(|axis| AxisPolynomials::new(knots[axis], cell.place[axis] as usize));
+                let [x, y] = tables.of(space.leaves()[leaf], space.knots_of(leaf));
                 local.clear();
-                part(leaf, &axes, local);
+                part(leaf, [&x, &y], local);
                 in_basis(space, leaf, local)
             });
             parts.iter().for_each(|part| self.add_part(part, &mut values, &mut load));

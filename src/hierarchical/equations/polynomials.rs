@@ -4,6 +4,10 @@
 //! N_a^(k)(x) = sum_i V^k_ai u^i,   u = (x - centre)/half in [-1, 1]        N_a^(k) N_b^(m) = sum_i P_ab,i u^i,  i <= 2p
 //! ```
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::mesh::CellId;
 use palpate_numeric::bspline::Knots;
 
 /// Largest degree of a hierarchy.
@@ -55,7 +59,7 @@ impl AxisPolynomials {
     }
 
     /// Products of derivatives of these orders.
-    pub(super) fn products(&self, orders: [usize; 2]) -> Products {
+    fn products(&self, orders: [usize; 2]) -> Products {
         let mut products = [[[0.0; POWERS]; WIDTH]; WIDTH];
         for a in 0..=self.degree {
             for b in 0..=self.degree {
@@ -68,6 +72,48 @@ impl AxisPolynomials {
             }
         }
         products
+    }
+}
+
+/// Functions of one segment with the products that equations and roughness ask for.
+#[derive(Clone, Debug)]
+pub(crate) struct AxisTable {
+    pub functions: AxisPolynomials,
+    /// Of equal derivatives, orders 0 to 3.
+    pub(super) squares: [Products; ORDERS],
+    /// Of first derivatives with values, and of values with first derivatives.
+    pub(super) mixed: [Products; 2],
+}
+
+impl AxisTable {
+    fn new(knots: &Knots, segment: usize) -> AxisTable {
+        let functions = AxisPolynomials::new(knots, segment);
+        let squares = std::array::from_fn(|order| functions.products([order, order]));
+        let mixed = [functions.products([1, 0]), functions.products([0, 1])];
+        AxisTable { functions, squares, mixed }
+    }
+}
+
+/// Tables of the segments met before: cells that lie near each other share them.
+#[derive(Debug, Default)]
+pub(crate) struct AxisTables {
+    known: BTreeMap<[u32; 3], Arc<AxisTable>>,
+}
+
+/// Tables kept at once, each about 20 kB: more would leave the caches.
+const MOST_TABLES: usize = 256;
+
+impl AxisTables {
+    /// Both tables of a cell.
+    pub(crate) fn of(&mut self, cell: CellId, knots: [&Knots; 2]) -> [Arc<AxisTable>; 2] {
+        if self.known.len() > MOST_TABLES {
+            self.known.clear();
+        }
+        [0, 1].map(|axis| {
+            let key = [axis as u32, cell.level.into(), cell.place[axis]];
+            let make = || Arc::new(AxisTable::new(knots[axis], cell.place[axis] as usize));
+            self.known.entry(key).or_insert_with(make).clone()
+        })
     }
 }
 
