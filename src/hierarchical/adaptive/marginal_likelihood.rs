@@ -4,7 +4,7 @@
 //! ```text
 //! P = sum_l lambda_l P_l       -2 log L(mu) = (N - m) log D + log det(A + mu P) - (n - m) log mu
 //! D = min_c sum w (z - S)^2 + mu c'Pc = r'r + mu c0'P c0 - h'(A + mu P)^-1 h,   h = g - mu P c0
-//! sigma^2 = D/(N - m)           N rows, n unknowns, m = dimension of the surfaces without roughness
+//! sigma^2 = D/(N - m)           (declared: (N - m) log D is D/sigma^2)           N rows, n unknowns, m = dimension of the surfaces without roughness
 //! lambda_l <- sigma^2 (r_l - lambda_l tr (A + P)^-1 P_l) / c'P_l c,     r_l = lambda_l tr P^+ P_l = sum_i lambda_l P_l,ii / P_ii about
 //! ```
 //!
@@ -43,6 +43,8 @@ pub(crate) struct StepEquations<'a> {
     /// Weighted squares of the residuals, and how many rows they are of.
     pub squares: f64,
     pub rows: f64,
+    /// Variance of a row of weight 1, where it was declared.
+    pub declared: Option<f64>,
     /// Dimension of the surfaces without roughness: 3 of order 2, 6 of order 3.
     pub smooth: f64,
 }
@@ -82,7 +84,8 @@ impl StepEquations<'_> {
         let best = if most <= 1 { guess } else { maximum(around, guess, ACCURACY, most, value).0 };
         let lambda = best.exp();
         let (delta, deviance, _) = self.at(factor, lambda, &rough, own)?;
-        let variance = deviance.max(0.0) / (self.rows - self.smooth).max(1.0);
+        let found = deviance.max(0.0) / (self.rows - self.smooth).max(1.0);
+        let variance = self.declared.unwrap_or(found);
         Ok(Step { factor_of_lambda: lambda, delta, variance, factorisations: count.get() + 1 })
     }
 

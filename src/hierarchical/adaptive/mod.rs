@@ -59,13 +59,14 @@ pub fn fit_adaptive(contacts: &Contacts, options: &AdaptiveOptions) -> Result<Ad
     let mesh = base_mesh(domain, &frame, contacts.len(), options)?;
     let mut sorting = std::time::Duration::ZERO;
     let sorted = timed(&mut sorting, || SortedContacts::new(contacts, &frame, &mesh))?;
-    let weights = match options.noise {
+    let (weights, declared) = match options.noise {
         RowVariances::Known { heights, slopes } => {
-            BlockWeights { heights: 1.0, slopes: (heights / (frame.scale * slopes)).powi(2) }
+            let heights = heights / frame.scale;
+            (BlockWeights { heights: 1.0, slopes: (heights / slopes).powi(2) }, Some(heights * heights))
         }
-        RowVariances::Estimated => BlockWeights { heights: 1.0, slopes: 1.0 },
+        RowVariances::Estimated => (BlockWeights { heights: 1.0, slopes: 1.0 }, None),
     };
-    let mut refinement = MeshRefinement::begin(options, &sorted, mesh, weights)?;
+    let mut refinement = MeshRefinement::begin(options, &sorted, mesh, weights, declared)?;
     refinement.work.sorting = sorting;
     let system = refinement.run()?;
     Ok(answered(refinement, system, frame))
@@ -105,7 +106,7 @@ fn answered(mut refinement: MeshRefinement, system: System, frame: Frame) -> Ada
     let traces = inverse.as_ref().map(|inverse| traces(&refinement, &system, inverse));
     let [heights, slopes] = refinement.components(traces.unwrap_or_default());
     let declared = match refinement.options.noise {
-        RowVariances::Known { heights, slopes } => Some((heights / frame.scale, slopes)),
+        RowVariances::Known { slopes, .. } => Some(slopes),
         RowVariances::Estimated => None,
     };
     let oriented = refinement.contacts.oriented();
@@ -114,8 +115,8 @@ fn answered(mut refinement: MeshRefinement, system: System, frame: Frame) -> Ada
     outliers.sort_unstable();
     AdaptiveFit {
         inverse,
-        variance: declared.map_or(refinement.variance, |(sd, _)| sd * sd),
-        slope_sd: oriented.then(|| declared.map_or_else(|| slopes.sd_of_one_at_least(), |(_, sd)| sd)),
+        variance: refinement.variance,
+        slope_sd: oriented.then(|| declared.unwrap_or_else(|| slopes.sd_of_one_at_least())),
         report: AdaptiveReport {
             rounds: refinement.rounds,
             outliers,

@@ -62,8 +62,9 @@ pub(super) struct MeshRefinement<'a> {
     pub weights: BlockWeights,
     /// Weights of the roughness over the cells of every level; none before the first fit.
     pub lambdas: Vec<f64>,
-    /// Variance of a row of weight 1.
+    /// Variance of a row of weight 1, and what was declared of it.
     pub variance: f64,
+    declared: Option<f64>,
     /// Cells that were split because they held more than noise.
     suspected: BTreeSet<CellId>,
     pub rounds: Vec<RefinementRound>,
@@ -77,6 +78,7 @@ impl<'a> MeshRefinement<'a> {
         contacts: &'a SortedContacts,
         mesh: Mesh,
         weights: BlockWeights,
+        declared: Option<f64>,
     ) -> Result<MeshRefinement<'a>, HierarchyError> {
         let space = Arc::new(HierarchicalSpace::new(mesh));
         let flat = vec![0.0; space.unknowns()];
@@ -91,6 +93,7 @@ impl<'a> MeshRefinement<'a> {
             weights,
             lambdas: Vec::new(),
             variance: 0.0,
+            declared,
             suspected: BTreeSet::new(),
             rounds: Vec::new(),
             work: FitWork::default(),
@@ -139,6 +142,7 @@ impl<'a> MeshRefinement<'a> {
 
     /// One step from the surface at hand; `search` likelihoods are asked for lambda, none: it stays.
     pub(super) fn step(&mut self, system: &mut System, search: usize) -> Result<(), HierarchyError> {
+        let known = self.begin_levels(system.roughness.len());
         let degree = system.space.mesh().levels().degree();
         let MeshRefinement { contacts, field, residuals, shares, weights, work, .. } = self;
         let sums = timed(&mut work.passes, || {
@@ -150,12 +154,6 @@ impl<'a> MeshRefinement<'a> {
         let smooth = if self.options.roughness_order == 2 { 3.0 } else { 6.0 };
         let [squares, rows, slope_squares, slope_rows] = sums.totals();
         drop(sums);
-        let known = !self.lambdas.is_empty();
-        // a finer level begins where surfaces of the size of its cells are as likely as those of the level before
-        let finer = |last: f64| last * FINER_ROUGHNESS;
-        while self.lambdas.len() < system.roughness.len() {
-            self.lambdas.push(self.lambdas.last().map_or(1.0, |last| finer(*last)));
-        }
         let rough = system.rough(&self.lambdas);
         let equations = StepEquations {
             pattern: &system.pattern,
@@ -165,6 +163,7 @@ impl<'a> MeshRefinement<'a> {
             coefficients: field.coefficients(),
             squares: weights.heights * squares + weights.slopes * slope_squares,
             rows: rows + 2.0 * slope_rows,
+            declared: self.declared,
             smooth,
         };
         let step = timed(&mut work.factorisation, || equations.solve(&mut system.factor, known, search))?;
@@ -181,6 +180,16 @@ impl<'a> MeshRefinement<'a> {
         }
         self.weigh([0.0; 2]);
         Ok(())
+    }
+
+    /// A lambda for every level; whether there were some before. A finer level begins where surfaces of the size of its cells are as
+    /// likely as those of the level before.
+    fn begin_levels(&mut self, levels: usize) -> bool {
+        let known = !self.lambdas.is_empty();
+        while self.lambdas.len() < levels {
+            self.lambdas.push(self.lambdas.last().map_or(1.0, |last| last * FINER_ROUGHNESS));
+        }
+        known
     }
 
     /// The two kinds of rows by their variances; `traces` are the degrees of freedom that the surface took of each.

@@ -126,6 +126,20 @@ fn slopes_and_normals_are_weighed_by_their_noise() {
 }
 
 #[test]
+fn declared_noise_is_taken_at_its_word() {
+    let contacts = touched(20_000, 0.002, 17, smooth);
+    let mut draw = Lcg::new(18);
+    let [zx, zy] = [0, 1].map(|_| (0..20_000).map(|_| 100.0 * draw.normal()).collect());
+    let contacts = contacts.with_slopes(zx, zy);
+    let noise = RowVariances::Known { heights: 0.002, slopes: 100.0 };
+    let fit = fit_adaptive(&contacts, &AdaptiveOptions { noise, ..AdaptiveOptions::default() }).unwrap();
+    // slopes that say next to nothing leave the surface as it is without them
+    assert!(error(&fit, smooth, |_, _| true) < 0.0004);
+    assert!((fit.height_noise() - 0.002).abs() < 1e-15);
+    assert_eq!(fit.slope_noise(), Some(100.0));
+}
+
+#[test]
 fn half_of_the_domain_may_be_empty() {
     let half = |draw: &mut Lcg| [draw.uniform() - 1.0, 2.0 * draw.uniform() - 1.0];
     let options = AdaptiveOptions { domain: Some([[-1.0, 1.0], [-1.0, 1.0]]), ..AdaptiveOptions::default() };

@@ -6,7 +6,7 @@
 //! roughness of order m        sum_j binomial(m, j) integral (d^m S / dx^j dy^(m-j))^2
 //! ```
 
-use super::polynomials::{AxisPolynomials, AxisTable, Products};
+use super::polynomials::{AxisPolynomials, Products, SegmentTable};
 use super::sums::CellSum;
 
 /// Weights of both kinds of rows, squared.
@@ -38,7 +38,7 @@ impl LocalEquations {
     }
 
     /// Adds the rows of a cell's contacts.
-    pub(crate) fn add_contacts(&mut self, [x, y]: [&AxisTable; 2], sums: &CellSum, weights: BlockWeights) {
+    pub(crate) fn add_contacts(&mut self, [x, y]: [&SegmentTable; 2], sums: &CellSum, weights: BlockWeights) {
         if let Some(g) = sums.moments(0) {
             self.add_products([&x.squares[0], &y.squares[0]], g, weights.heights);
         }
@@ -52,7 +52,7 @@ impl LocalEquations {
         self.mirror();
     }
 
-    fn add_slopes(&mut self, [x, y]: [&AxisTable; 2], sums: &CellSum, weight: f64) {
+    fn add_slopes(&mut self, [x, y]: [&SegmentTable; 2], sums: &CellSum, weight: f64) {
         if let Some(g) = sums.moments(1) {
             self.add_products([&x.squares[1], &y.squares[0]], g, weight);
         }
@@ -66,7 +66,7 @@ impl LocalEquations {
     }
 
     /// Adds the roughness of this order over a cell with these half sides.
-    pub(crate) fn add_roughness(&mut self, [x, y]: [&AxisTable; 2], half: [f64; 2], order: usize) {
+    pub(crate) fn add_roughness(&mut self, [x, y]: [&SegmentTable; 2], half: [f64; 2], order: usize) {
         let powers = self.widths.map(|width| 2 * width - 1);
         // the integral of u^i over [-1, 1]
         let integral = |i: usize| if i.is_multiple_of(2) { 2.0 / (i + 1) as f64 } else { 0.0 };

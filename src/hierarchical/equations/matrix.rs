@@ -8,7 +8,7 @@ use nalgebra_sparse::CscMatrix;
 use nalgebra_sparse::pattern::SparsityPattern;
 
 use super::local::{BlockWeights, LocalEquations};
-use super::polynomials::{AxisTable, AxisTables};
+use super::polynomials::{SegmentTable, SegmentTables};
 use super::sums::CellSums;
 use crate::space::{HierarchicalSpace, LocalFunction};
 use palpate_numeric::threads;
@@ -89,17 +89,7 @@ impl MeetingPattern {
             space.functions_on(leaf, &mut functions);
             functions
         });
-        let mut starts = vec![0usize; unknowns + 1];
-        on_leaf.iter().flatten().for_each(|k| starts[*k as usize + 1] += 1);
-        (0..unknowns).for_each(|k| starts[k + 1] += starts[k]);
-        let mut next = starts.clone();
-        let mut leaves_of = vec![0u32; starts[unknowns]];
-        for (leaf, functions) in on_leaf.iter().enumerate() {
-            for k in functions {
-                leaves_of[next[*k as usize]] = leaf as u32;
-                next[*k as usize] += 1;
-            }
-        }
+        let (starts, leaves_of) = leaves_of_functions(unknowns, &on_leaf);
         let columns = threads::map_with(
             unknowns,
             PIECE,
@@ -194,12 +184,12 @@ impl MeetingPattern {
         &self,
         space: &HierarchicalSpace,
         leaves: &[usize],
-        part: impl Fn(usize, [&AxisTable; 2], &mut LocalEquations) + Sync,
+        part: impl Fn(usize, [&SegmentTable; 2], &mut LocalEquations) + Sync,
     ) -> (Vec<f64>, Vec<f64>) {
         let (mut values, mut load) = (vec![0.0; self.rows.len()], vec![0.0; self.order()]);
         let widths = space.mesh().levels().degree().map(|p| p + 1);
         for piece in leaves.chunks(PIECE) {
-            let start = || (LocalEquations::zeros(widths), AxisTables::default());
+            let start = || (LocalEquations::zeros(widths), SegmentTables::default());
             let parts = threads::map_with(piece.len(), LEAVES_OF_THREAD, start, |(local, tables), k| {
                 let leaf = piece[k];
                 let [x, y] = tables.of(space.leaves()[leaf], space.knots_of(leaf));
@@ -225,6 +215,22 @@ impl MeetingPattern {
             }
         }
     }
+}
+
+/// The leaves of every function: starts, and the leaves in ascending order.
+fn leaves_of_functions(unknowns: usize, on_leaf: &[Vec<u32>]) -> (Vec<usize>, Vec<u32>) {
+    let mut starts = vec![0usize; unknowns + 1];
+    on_leaf.iter().flatten().for_each(|k| starts[*k as usize + 1] += 1);
+    (0..unknowns).for_each(|k| starts[k + 1] += starts[k]);
+    let mut next = starts.clone();
+    let mut leaves_of = vec![0u32; starts[unknowns]];
+    for (leaf, functions) in on_leaf.iter().enumerate() {
+        for k in functions {
+            leaves_of[next[*k as usize]] = leaf as u32;
+            next[*k as usize] += 1;
+        }
+    }
+    (starts, leaves_of)
 }
 
 /// `E' A E` and `E' g` over the functions of the basis that do not vanish on the leaf.

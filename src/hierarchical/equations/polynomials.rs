@@ -77,7 +77,7 @@ impl AxisPolynomials {
 
 /// Functions of one segment with the products that equations and roughness ask for.
 #[derive(Clone, Debug)]
-pub(crate) struct AxisTable {
+pub(crate) struct SegmentTable {
     pub functions: AxisPolynomials,
     /// Of equal derivatives, orders 0 to 3.
     pub(super) squares: [Products; ORDERS],
@@ -85,33 +85,33 @@ pub(crate) struct AxisTable {
     pub(super) mixed: [Products; 2],
 }
 
-impl AxisTable {
-    fn new(knots: &Knots, segment: usize) -> AxisTable {
+impl SegmentTable {
+    fn new(knots: &Knots, segment: usize) -> SegmentTable {
         let functions = AxisPolynomials::new(knots, segment);
         let squares = std::array::from_fn(|order| functions.products([order, order]));
         let mixed = [functions.products([1, 0]), functions.products([0, 1])];
-        AxisTable { functions, squares, mixed }
+        SegmentTable { functions, squares, mixed }
     }
 }
 
 /// Tables of the segments met before: cells that lie near each other share them.
 #[derive(Debug, Default)]
-pub(crate) struct AxisTables {
-    known: BTreeMap<[u32; 3], Arc<AxisTable>>,
+pub(crate) struct SegmentTables {
+    known: BTreeMap<[u32; 3], Arc<SegmentTable>>,
 }
 
 /// Tables kept at once, each about 20 kB: more would leave the caches.
 const MOST_TABLES: usize = 256;
 
-impl AxisTables {
+impl SegmentTables {
     /// Both tables of a cell.
-    pub(crate) fn of(&mut self, cell: CellId, knots: [&Knots; 2]) -> [Arc<AxisTable>; 2] {
+    pub(crate) fn of(&mut self, cell: CellId, knots: [&Knots; 2]) -> [Arc<SegmentTable>; 2] {
         if self.known.len() > MOST_TABLES {
             self.known.clear();
         }
         [0, 1].map(|axis| {
             let key = [axis as u32, cell.level.into(), cell.place[axis]];
-            let make = || Arc::new(AxisTable::new(knots[axis], cell.place[axis] as usize));
+            let make = || Arc::new(SegmentTable::new(knots[axis], cell.place[axis] as usize));
             self.known.entry(key).or_insert_with(make).clone()
         })
     }
