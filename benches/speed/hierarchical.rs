@@ -1,18 +1,26 @@
-//! Adaptive fits over hierarchical splines: `cargo bench --bench hierarchical [-- table | false | coverage]`.
+//! Adaptive fits over hierarchical splines: `cargo bench --bench hierarchical [-- table | false | coverage | evaluate]`.
 //!
 //! ```text
 //! table      1e4 .. 1e7 contacts of one smooth surface with 0, 10 and 1,000 bumps: time, memory, unknowns, error, factor's share
 //! false      cells split where the surface is in the span of the base grid
-//! coverage   how often height +- 1.96 u holds the truth, near bumps and far from them
+//! coverage   how often height and R +- 1.96 u hold the truth, near bumps and far from them
+//! evaluate   nanoseconds a point with two derivatives, beside the tensor spline with the cells of the finest level
 //! ```
 //!
 //! Every row of the table is a process of its own, which says its peak memory. Contacts are made before the clock starts.
 
 use std::process::Command;
+use std::sync::Arc;
 use std::time::Instant;
 
 use palpate_geometry::contact::Contacts;
+use palpate_geometry::curvature::Derivatives;
+use palpate_geometry::surface::{HeightField, Surface};
 use palpate_hierarchical::adaptive::{AdaptiveFit, AdaptiveOptions, fit_adaptive};
+use palpate_hierarchical::field::HierarchicalField;
+use palpate_hierarchical::mesh::{CellId, Mesh};
+use palpate_hierarchical::space::HierarchicalSpace;
+use palpate_numeric::bspline::Knots;
 use palpate_numeric::draws::Lcg;
 
 type Fault = Box<dyn std::error::Error>;
@@ -28,8 +36,9 @@ fn main() -> Result<(), Fault> {
         ["table", most] => table(most.parse()?),
         ["false"] => false_splits(),
         ["coverage"] => coverage(),
+        ["evaluate"] => evaluate(),
         [] | ["table"] => table(10_000_000),
-        _ => Err("table [MOST], false, coverage".into()),
+        _ => Err("table [MOST], false, coverage, evaluate".into()),
     }
 }
 
@@ -85,6 +94,19 @@ impl Scene {
         }
         let [x, y, z] = columns;
         Contacts::from_positions(x, y, z)
+    }
+
+    /// R of the true surface, by differences.
+    fn curvedness(&self, x: f64, y: f64) -> Option<f64> {
+        let step = 1e-4;
+        let z = |i: f64, j: f64| self.height(x + i * step, y + j * step);
+        let middle = z(0.0, 0.0);
+        let second = |a: f64, b: f64| (a - 2.0 * middle + b) / (step * step);
+        let mixed = (z(1.0, 1.0) - z(1.0, -1.0) - z(-1.0, 1.0) + z(-1.0, -1.0)) / (4.0 * step * step);
+        let slope = |a: f64, b: f64| (a - b) / (2.0 * step);
+        let (along, across) = (slope(z(1.0, 0.0), z(-1.0, 0.0)), slope(z(0.0, 1.0), z(0.0, -1.0)));
+        let bent = [second(z(1.0, 0.0), z(-1.0, 0.0)), second(z(0.0, 1.0), z(0.0, -1.0))];
+        Some(Derivatives::of_height(along, across, bent[0], mixed, bent[1]).principal()?.curvedness())
     }
 
     /// Features of which more than half stands in the fit.
@@ -202,45 +224,96 @@ fn false_splits() -> Result<(), Fault> {
     Ok(())
 }
 
-/// Heights near a feature lie within two radii of one.
+/// Intervals that held the truth.
+#[derive(Clone, Copy, Default)]
+struct Held {
+    heights: usize,
+    curvedness: usize,
+    places: usize,
+}
+
+impl Held {
+    fn look(&mut self, scene: &Scene, fit: &AdaptiveFit, [x, y]: [f64; 2]) -> Result<(), Fault> {
+        let sds = fit.point_sds([x, y]).ok_or("no uncertainty")?;
+        let height = fit.height_sd(x, y).ok_or("no uncertainty")?;
+        let curvedness = fit.at(x, y).derivatives().principal().ok_or("no tangent plane")?.curvedness();
+        let off = curvedness - scene.curvedness(x, y).ok_or("no tangent plane")?;
+        self.places += 1;
+        self.heights += usize::from((fit.at(x, y).z - scene.height(x, y)).abs() <= 1.96 * height);
+        self.curvedness += usize::from(off.abs() <= 1.96 * sds.curvedness.unwrap_or(0.0));
+        Ok(())
+    }
+
+    fn shares(&self) -> String {
+        let share = |held: usize| 100.0 * held as f64 / self.places as f64;
+        format!("{:.1} %, {:.1} %", share(self.heights), share(self.curvedness))
+    }
+}
+
+/// Places near a feature lie within two radii of one.
 fn coverage() -> Result<(), Fault> {
     println!(
-        "| contacts | features | held far | held near | places far, near | seconds for the inverse |\n|---|---|---|---|---|---|"
+        "| contacts | features | z, R held far | z, R held near | places far, near | seconds for the inverse |\n|---|---|---|---|---|---|"
     );
     for (contacts, features, scenes) in [(50_000, 10, 20), (500_000, 10, 6), (2_000_000, 1000, 1)] {
-        let (mut held, mut all) = ([0usize; 2], [0usize; 2]);
+        let mut held = [Held::default(); 2];
         let mut seconds = 0.0;
         for k in 0..scenes {
             let scene = Scene::new(features, 70 + k);
             let fit = fit_adaptive(&scene.touched(contacts, 170 + k), &AdaptiveOptions::default())?;
             seconds += fit.report().work.inverse.as_secs_f64();
             let mut draw = Lcg::new(270 + k);
-            let mut look = |x: f64, y: f64| {
-                let near = scene.features.iter().any(|f| (f[0] - x).hypot(f[1] - y) < 2.0 * scene.radius);
-                let sd = fit.height_sd(x, y).ok_or("no uncertainty")?;
-                all[usize::from(near)] += 1;
-                held[usize::from(near)] += usize::from((fit.at(x, y).z - scene.height(x, y)).abs() <= 1.96 * sd);
-                Ok::<(), Fault>(())
-            };
-            for _ in 0..2000 {
-                look(2.0 * draw.uniform() - 1.0, 2.0 * draw.uniform() - 1.0)?;
-            }
+            let mut places: Vec<[f64; 2]> = (0..2000).map(|_| [0, 1].map(|_| 2.0 * draw.uniform() - 1.0)).collect();
             for f in &scene.features {
-                for _ in 0..2000 / features {
+                places.extend((0..2000 / features).map(|_| {
                     let (r, t) = (2.0 * scene.radius * draw.uniform().sqrt(), std::f64::consts::TAU * draw.uniform());
-                    look((f[0] + r * t.cos()).clamp(-1.0, 1.0), (f[1] + r * t.sin()).clamp(-1.0, 1.0))?;
-                }
+                    [f[0] + r * t.cos(), f[1] + r * t.sin()].map(|v| v.clamp(-1.0, 1.0))
+                }));
+            }
+            for [x, y] in places {
+                let near = scene.features.iter().any(|f| (f[0] - x).hypot(f[1] - y) < 2.0 * scene.radius);
+                held[usize::from(near)].look(&scene, &fit, [x, y])?;
             }
         }
-        let share = |k: usize| 100.0 * held[k] as f64 / all[k] as f64;
+        let [far, near] = held;
         println!(
-            "| {contacts} | {features} | {:.1} % | {:.1} % | {}, {} | {:.2} |",
-            share(0),
-            share(1),
-            all[0],
-            all[1],
+            "| {contacts} | {features} | {} | {} | {}, {} | {:.2} |",
+            far.shares(),
+            near.shares(),
+            far.places,
+            near.places,
             seconds / scenes as f64
         );
+    }
+    Ok(())
+}
+
+/// One level, and six levels about a spot, against tensor splines.
+fn evaluate() -> Result<(), Fault> {
+    let mut draw = Lcg::new(5);
+    let places: Vec<[f64; 2]> = (0..1_000_000).map(|_| [0, 1].map(|_| 2.0 * draw.uniform() - 1.0)).collect();
+    println!("| surface | cells | ns a point |\n|---|---|---|");
+    let timed = |name: &str, cells: usize, surface: &dyn Fn(f64, f64) -> f64| {
+        let best = (0..5).map(|_| {
+            let begun = Instant::now();
+            std::hint::black_box(places.iter().map(|[x, y]| surface(*x, *y)).sum::<f64>());
+            begun.elapsed().as_secs_f64()
+        });
+        println!("| {name} | {cells} | {:.0} |", 1e9 * best.fold(f64::INFINITY, f64::min) / places.len() as f64);
+    };
+    for segments in [64, 512] {
+        let knots = || Knots::uniform(3, segments, -1.0, 1.0);
+        let count = (segments + 3) * (segments + 3);
+        let tensor = HeightField::new([knots()?, knots()?], vec![0.5; count])?;
+        timed("tensor spline", segments * segments, &|x, y| tensor.jet([x, y]).derivatives.uu[2]);
+    }
+    for levels in [0, 6] {
+        let mut mesh = Mesh::new([Knots::uniform(3, 64, -1.0, 1.0)?, Knots::uniform(3, 64, -1.0, 1.0)?])?;
+        (0..levels).try_for_each(|level| mesh.refine(CellId { level, place: [20 << level, 33 << level] }))?;
+        let space = Arc::new(HierarchicalSpace::new(mesh));
+        let (cells, ones) = (space.leaves().len(), vec![0.5; space.unknowns()]);
+        let field = HierarchicalField::new(space, ones)?;
+        timed(&format!("hierarchical, {levels} levels more"), cells, &|x, y| field.jet([x, y]).derivatives.uu[2]);
     }
     Ok(())
 }
