@@ -10,13 +10,14 @@ use std::path::{Path, PathBuf};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// The crates, each a folder under `src/`.
-const CRATES: [&str; 7] = ["numeric", "geometry", "world", "fitting", "inference", "studies", "app"];
+const CRATES: [&str; 8] = ["numeric", "geometry", "world", "fitting", "hierarchical", "inference", "studies", "app"];
 
 /// Floor of every room inside its crate; siblings on one floor do not import each other.
-const FLOORS: [(&str, u8); 33] = [
+const FLOORS: [(&str, u8); 40] = [
     ("simd", 0),
     ("threads", 0),
     ("vector", 0),
+    ("error", 0),
     ("statistics", 1),
     ("levenberg_marquardt", 1),
     ("brent", 1),
@@ -26,6 +27,7 @@ const FLOORS: [(&str, u8); 33] = [
     ("bspline", 1),
     ("linalg", 1),
     ("curvature", 1),
+    ("mesh", 1),
     ("draws", 1),
     ("scene", 2),
     ("observation", 2),
@@ -33,16 +35,21 @@ const FLOORS: [(&str, u8); 33] = [
     ("surface", 2),
     ("neighbours", 2),
     ("primitives", 2),
+    ("factor", 2),
+    ("space", 2),
     ("shape", 3),
+    ("field", 3),
     ("bodies", 4),
     ("fit", 4),
     ("comparison", 4),
+    ("equations", 4),
     ("parametric", 5),
     ("plans", 5),
     ("recognition", 5),
     ("montecarlo", 6),
     ("explore", 6),
     ("parts", 6),
+    ("adaptive", 6),
     ("frontier", 7),
     ("io", 7),
     ("report", 8),

@@ -28,7 +28,7 @@ pub struct SurfacePoint {
 impl SurfacePoint {
     /// `S = sum c_ij N_i M_j` and its derivatives from the basis rows of a point and the coefficients `c(i, j)`.
     #[inline]
-    pub(crate) fn of_rows(bx: &BasisRow, by: &BasisRow, c: impl Fn(usize, usize) -> f64) -> SurfacePoint {
+    pub fn of_rows(bx: &BasisRow, by: &BasisRow, c: impl Fn(usize, usize) -> f64) -> SurfacePoint {
         let [n, dn, ddn] = [0, 1, 2].map(|k| bx.derivative(k));
         let [m, dm, ddm] = [0, 1, 2].map(|k| by.derivative(k));
         let mut point = SurfacePoint::default();

@@ -23,7 +23,11 @@ impl BasisRow {
 impl Knots {
     /// Values, first and second derivatives at `x`; outside the domain those of the end segment's polynomial.
     pub fn basis(&self, x: f64) -> BasisRow {
-        let segment = self.segment_of(x);
+        self.basis_on(self.segment_of(x), x)
+    }
+
+    /// As [`Knots::basis`], but with the polynomials of segment `segment` wherever `x` is.
+    pub fn basis_on(&self, segment: usize, x: f64) -> BasisRow {
         let width = self.degree() + 1;
         let mut flat = [0.0; 3 * WIDTH];
         self.derivatives_on(segment, x, 2, &mut flat[..3 * width]);

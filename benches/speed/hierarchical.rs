@@ -1,0 +1,319 @@
+//! Adaptive fits over hierarchical splines: `cargo bench --bench hierarchical [-- table | false | coverage | evaluate]`.
+//!
+//! ```text
+//! table      1e4 .. 1e7 contacts of one smooth surface with 0, 10 and 1,000 bumps: time, memory, unknowns, error, factor's share
+//! false      cells split where the surface is in the span of the base grid
+//! coverage   how often height and R +- 1.96 u hold the truth, near bumps and far from them
+//! evaluate   nanoseconds a point with two derivatives, beside the tensor spline with the cells of the finest level
+//! ```
+//!
+//! Every row of the table is a process of its own, which says its peak memory. Contacts are made before the clock starts.
+
+use std::process::Command;
+use std::sync::Arc;
+use std::time::Instant;
+
+use palpate_geometry::contact::Contacts;
+use palpate_geometry::curvature::Derivatives;
+use palpate_geometry::surface::{HeightField, Surface};
+use palpate_hierarchical::adaptive::{AdaptiveFit, AdaptiveOptions, fit_adaptive};
+use palpate_hierarchical::field::HierarchicalField;
+use palpate_hierarchical::mesh::{CellId, Mesh};
+use palpate_hierarchical::space::HierarchicalSpace;
+use palpate_numeric::bspline::Knots;
+use palpate_numeric::draws::Lcg;
+
+type Fault = Box<dyn std::error::Error>;
+
+/// Standard deviation of a height.
+const NOISE: f64 = 0.002;
+
+fn main() -> Result<(), Fault> {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match words[..] {
+        ["--one", contacts, features] => one(contacts.parse()?, features.parse()?),
+        ["table", most] => table(most.parse()?),
+        ["false"] => false_splits(),
+        ["coverage"] => coverage(),
+        ["evaluate"] => evaluate(),
+        [] | ["table"] => table(10_000_000),
+        _ => Err("table [MOST], false, coverage, evaluate".into()),
+    }
+}
+
+/// A smooth surface over [-1, 1]^2 with bumps and dimples of 3 to 10 standard deviations at random places.
+struct Scene {
+    features: Vec<[f64; 3]>,
+    radius: f64,
+    /// Features by the squares of a grid, so that a height asks only those nearby.
+    grid: Vec<Vec<u32>>,
+}
+
+const GRID: usize = 64;
+
+impl Scene {
+    fn new(count: usize, seed: u64) -> Scene {
+        let mut draw = Lcg::new(seed);
+        let radius = if count > 100 { 0.01 } else { 0.02 };
+        let mut features: Vec<[f64; 3]> = Vec::new();
+        while features.len() < count {
+            let [x, y] = [0, 1].map(|_| 1.9 * draw.uniform() - 0.95);
+            let apart = |f: &[f64; 3]| (f[0] - x).hypot(f[1] - y) > 3.0 * radius;
+            if features.iter().all(apart) {
+                let sign = if draw.uniform() < 0.5 { -1.0 } else { 1.0 };
+                features.push([x, y, sign * NOISE * (3.0 + 7.0 * draw.uniform())]);
+            }
+        }
+        let mut grid = vec![Vec::new(); GRID * GRID];
+        let square = |t: f64| (((t + 1.0) * 0.5 * GRID as f64) as usize).min(GRID - 1);
+        for (k, [x, y, _]) in features.iter().enumerate() {
+            let reach = 6.0 * radius;
+            for i in square(x - reach)..=square(x + reach) {
+                (square(y - reach)..=square(y + reach)).for_each(|j| grid[i * GRID + j].push(k as u32));
+            }
+        }
+        Scene { features, radius, grid }
+    }
+
+    fn height(&self, x: f64, y: f64) -> f64 {
+        let square = |t: f64| (((t + 1.0) * 0.5 * GRID as f64) as usize).min(GRID - 1);
+        let near = self.grid[square(x) * GRID + square(y)].iter().map(|k| self.features[*k as usize]);
+        let bumps: f64 =
+            near.map(|[u, v, h]| h * (-((x - u).powi(2) + (y - v).powi(2)) / self.radius.powi(2)).exp()).sum();
+        0.3 * (1.5 * x).sin() * (1.2 * y + 0.3).cos() + bumps
+    }
+
+    fn touched(&self, count: usize, seed: u64) -> Contacts {
+        let mut draw = Lcg::new(seed);
+        let mut columns = [0, 1, 2].map(|_| Vec::with_capacity(count));
+        for _ in 0..count {
+            let [x, y] = [0, 1].map(|_| 2.0 * draw.uniform() - 1.0);
+            let z = self.height(x, y) + NOISE * draw.normal();
+            [x, y, z].into_iter().zip(&mut columns).for_each(|(v, column)| column.push(v));
+        }
+        let [x, y, z] = columns;
+        Contacts::from_positions(x, y, z)
+    }
+
+    /// R of the true surface, by differences.
+    fn curvedness(&self, x: f64, y: f64) -> Option<f64> {
+        let step = 1e-4;
+        let z = |i: f64, j: f64| self.height(x + i * step, y + j * step);
+        let middle = z(0.0, 0.0);
+        let second = |a: f64, b: f64| (a - 2.0 * middle + b) / (step * step);
+        let mixed = (z(1.0, 1.0) - z(1.0, -1.0) - z(-1.0, 1.0) + z(-1.0, -1.0)) / (4.0 * step * step);
+        let slope = |a: f64, b: f64| (a - b) / (2.0 * step);
+        let (along, across) = (slope(z(1.0, 0.0), z(-1.0, 0.0)), slope(z(0.0, 1.0), z(0.0, -1.0)));
+        let bent = [second(z(1.0, 0.0), z(-1.0, 0.0)), second(z(0.0, 1.0), z(0.0, -1.0))];
+        Some(Derivatives::of_height(along, across, bent[0], mixed, bent[1]).principal()?.curvedness())
+    }
+
+    /// Features of which more than half stands in the fit.
+    fn found(&self, fit: &AdaptiveFit) -> usize {
+        let stands = |f: &&[f64; 3]| (fit.at(f[0], f[1]).z - self.height(f[0], f[1])).abs() < 0.5 * f[2].abs();
+        self.features.iter().filter(stands).count()
+    }
+}
+
+/// Peak memory of this process so far, megabytes.
+fn peak() -> Result<f64, Fault> {
+    let text = std::fs::read_to_string("/proc/self/status")?;
+    let line = text.lines().find(|line| line.starts_with("VmHWM")).ok_or("no peak memory")?;
+    let kilobytes: f64 = line.split_whitespace().nth(1).ok_or("no peak memory")?.parse()?;
+    Ok(kilobytes / 1024.0)
+}
+
+/// Root mean square of the error over random places.
+fn error(scene: &Scene, fit: &AdaptiveFit) -> f64 {
+    let mut draw = Lcg::new(99);
+    let places = 20_000;
+    let square = |_| {
+        let [x, y] = [0, 1].map(|_| 2.0 * draw.uniform() - 1.0);
+        (fit.at(x, y).z - scene.height(x, y)).powi(2)
+    };
+    ((0..places).map(square).sum::<f64>() / f64::from(places)).sqrt()
+}
+
+fn one(contacts: usize, features: usize) -> Result<(), Fault> {
+    let scene = Scene::new(features, 7);
+    let touched = scene.touched(contacts, 8);
+    let before = peak()?;
+    let begun = Instant::now();
+    let fit = fit_adaptive(&touched, &AdaptiveOptions { uncertainty: false, ..AdaptiveOptions::default() })?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let report = fit.report();
+    let work = &report.work;
+    let last = report.rounds.last().ok_or("no round")?;
+    println!(
+        "| {contacts} | {features} | {seconds:.2} | {:.0} | {:.0} | {} | {} | {} | {:.3} | {:.3} | {:.4} | {} | {:.2} {:.2} {:.2} {:.2} | {} |",
+        before,
+        peak()?,
+        last.unknowns,
+        last.cells,
+        report.rounds.len(),
+        fit.height_noise() / NOISE,
+        report.rms / NOISE,
+        error(&scene, &fit) / NOISE,
+        scene.found(&fit),
+        work.sorting.as_secs_f64(),
+        work.passes.as_secs_f64(),
+        work.assembly.as_secs_f64(),
+        work.factorisation.as_secs_f64(),
+        report.outliers.len(),
+    );
+    println!("seconds {seconds}");
+    Ok(())
+}
+
+fn table(most: usize) -> Result<(), Fault> {
+    println!(
+        "| contacts | features | seconds | MB of contacts | MB at most | unknowns | cells | rounds | sigma found/true | rms/sigma | error/sigma | found | \
+         sort, passes, assembly, factor s | left out |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+    );
+    for features in [0, 10, 1000] {
+        let mut points = Vec::new();
+        for contacts in [10_000, 100_000, 1_000_000, 10_000_000].into_iter().filter(|n| *n <= most) {
+            let said = Command::new(std::env::current_exe()?)
+                .args(["--one", &contacts.to_string(), &features.to_string()])
+                .output()?;
+            let text = String::from_utf8(said.stdout)?;
+            let Some((row, seconds)) = text.split_once("seconds ") else {
+                return Err(format!("no answer: {}", String::from_utf8_lossy(&said.stderr)).into());
+            };
+            print!("{row}");
+            points.push([(contacts as f64).ln(), seconds.trim().parse::<f64>()?.ln()]);
+        }
+        println!("growth exponent with {features} features: {:.2}", slope(&points));
+    }
+    Ok(())
+}
+
+/// Slope of the straight line through the points.
+fn slope(points: &[[f64; 2]]) -> f64 {
+    let n = points.len() as f64;
+    let [mx, my] = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n);
+    let sum = |f: &dyn Fn(&[f64; 2]) -> f64| points.iter().map(f).sum::<f64>();
+    sum(&|p| (p[0] - mx) * (p[1] - my)) / sum(&|p| (p[0] - mx).powi(2))
+}
+
+/// A cubic surface: whatever is split is split by chance.
+fn false_splits() -> Result<(), Fault> {
+    println!("| contacts | base segments | fits | cells | split by chance |\n|---|---|---|---|---|");
+    for (contacts, segments, fits) in [(20_000, 8, 200), (200_000, 32, 40), (1_000_000, 64, 10), (100_000, 64, 40)] {
+        let (mut cells, mut split) = (0, 0);
+        for seed in 0..fits {
+            let mut draw = Lcg::new(1000 + seed);
+            let mut columns = [0, 1, 2].map(|_| Vec::with_capacity(contacts));
+            for _ in 0..contacts {
+                let [x, y] = [0, 1].map(|_| 2.0 * draw.uniform() - 1.0);
+                let z = 0.3 * x.powi(3) - 0.2 * x * y * y + 0.1 * y + NOISE * draw.normal();
+                [x, y, z].into_iter().zip(&mut columns).for_each(|(v, column)| column.push(v));
+            }
+            let [x, y, z] = columns;
+            let options = AdaptiveOptions { base_segments: segments, uncertainty: false, ..AdaptiveOptions::default() };
+            let fit = fit_adaptive(&Contacts::from_positions(x, y, z), &options)?;
+            cells += fit.report().rounds[0].cells;
+            split += fit.report().rounds.iter().map(|round| round.split).sum::<usize>();
+        }
+        println!(
+            "| {contacts} | {segments} | {fits} | {cells} | {split} ({:.3} %) |",
+            100.0 * split as f64 / cells as f64
+        );
+    }
+    Ok(())
+}
+
+/// Intervals that held the truth.
+#[derive(Clone, Copy, Default)]
+struct Held {
+    heights: usize,
+    curvedness: usize,
+    places: usize,
+}
+
+impl Held {
+    fn look(&mut self, scene: &Scene, fit: &AdaptiveFit, [x, y]: [f64; 2]) -> Result<(), Fault> {
+        let sds = fit.point_sds([x, y]).ok_or("no uncertainty")?;
+        let height = fit.height_sd(x, y).ok_or("no uncertainty")?;
+        let curvedness = fit.at(x, y).derivatives().principal().ok_or("no tangent plane")?.curvedness();
+        let off = curvedness - scene.curvedness(x, y).ok_or("no tangent plane")?;
+        self.places += 1;
+        self.heights += usize::from((fit.at(x, y).z - scene.height(x, y)).abs() <= 1.96 * height);
+        self.curvedness += usize::from(off.abs() <= 1.96 * sds.curvedness.unwrap_or(0.0));
+        Ok(())
+    }
+
+    fn shares(&self) -> String {
+        let share = |held: usize| 100.0 * held as f64 / self.places as f64;
+        format!("{:.1} %, {:.1} %", share(self.heights), share(self.curvedness))
+    }
+}
+
+/// Places near a feature lie within two radii of one.
+fn coverage() -> Result<(), Fault> {
+    println!(
+        "| contacts | features | z, R held far | z, R held near | places far, near | seconds for the inverse |\n|---|---|---|---|---|---|"
+    );
+    for (contacts, features, scenes) in [(50_000, 10, 20), (500_000, 10, 6), (2_000_000, 1000, 1)] {
+        let mut held = [Held::default(); 2];
+        let mut seconds = 0.0;
+        for k in 0..scenes {
+            let scene = Scene::new(features, 70 + k);
+            let fit = fit_adaptive(&scene.touched(contacts, 170 + k), &AdaptiveOptions::default())?;
+            seconds += fit.report().work.inverse.as_secs_f64();
+            let mut draw = Lcg::new(270 + k);
+            let mut places: Vec<[f64; 2]> = (0..2000).map(|_| [0, 1].map(|_| 2.0 * draw.uniform() - 1.0)).collect();
+            for f in &scene.features {
+                places.extend((0..2000 / features).map(|_| {
+                    let (r, t) = (2.0 * scene.radius * draw.uniform().sqrt(), std::f64::consts::TAU * draw.uniform());
+                    [f[0] + r * t.cos(), f[1] + r * t.sin()].map(|v| v.clamp(-1.0, 1.0))
+                }));
+            }
+            for [x, y] in places {
+                let near = scene.features.iter().any(|f| (f[0] - x).hypot(f[1] - y) < 2.0 * scene.radius);
+                held[usize::from(near)].look(&scene, &fit, [x, y])?;
+            }
+        }
+        let [far, near] = held;
+        println!(
+            "| {contacts} | {features} | {} | {} | {}, {} | {:.2} |",
+            far.shares(),
+            near.shares(),
+            far.places,
+            near.places,
+            seconds / scenes as f64
+        );
+    }
+    Ok(())
+}
+
+/// One level, and six levels about a spot, against tensor splines.
+fn evaluate() -> Result<(), Fault> {
+    let mut draw = Lcg::new(5);
+    let places: Vec<[f64; 2]> = (0..1_000_000).map(|_| [0, 1].map(|_| 2.0 * draw.uniform() - 1.0)).collect();
+    println!("| surface | cells | ns a point |\n|---|---|---|");
+    let timed = |name: &str, cells: usize, surface: &dyn Fn(f64, f64) -> f64| {
+        let best = (0..5).map(|_| {
+            let begun = Instant::now();
+            std::hint::black_box(places.iter().map(|[x, y]| surface(*x, *y)).sum::<f64>());
+            begun.elapsed().as_secs_f64()
+        });
+        println!("| {name} | {cells} | {:.0} |", 1e9 * best.fold(f64::INFINITY, f64::min) / places.len() as f64);
+    };
+    for segments in [64, 512] {
+        let knots = || Knots::uniform(3, segments, -1.0, 1.0);
+        let count = (segments + 3) * (segments + 3);
+        let tensor = HeightField::new([knots()?, knots()?], vec![0.5; count])?;
+        timed("tensor spline", segments * segments, &|x, y| tensor.jet([x, y]).derivatives.uu[2]);
+    }
+    for levels in [0, 6] {
+        let mut mesh = Mesh::new([Knots::uniform(3, 64, -1.0, 1.0)?, Knots::uniform(3, 64, -1.0, 1.0)?])?;
+        (0..levels).try_for_each(|level| mesh.refine(CellId { level, place: [20 << level, 33 << level] }))?;
+        let space = Arc::new(HierarchicalSpace::new(mesh));
+        let (cells, ones) = (space.leaves().len(), vec![0.5; space.unknowns()]);
+        let field = HierarchicalField::new(space, ones)?;
+        timed(&format!("hierarchical, {levels} levels more"), cells, &|x, y| field.jet([x, y]).derivatives.uu[2]);
+    }
+    Ok(())
+}

@@ -1,0 +1,23 @@
+//! From contacts to sparse normal equations, cell by cell, in memory that depends on the cells and not on the contacts.
+//!
+//! ```text
+//! minimise over delta   sum_r wz^2 (r - delta(x_r, y_r))^2 + slope or normal rows + lambda roughness(S + delta)
+//! (A + lambda P) delta = g - lambda P c          A = sum_Q E_Q' A_Q E_Q
+//! ```
+//!
+//! Equations are those of a step from a surface S that is at hand, so that noise far smaller than the heights loses no digits.
+
+mod local;
+mod matrix;
+mod polynomials;
+mod residuals;
+mod sorted_contacts;
+mod sums;
+#[cfg(test)]
+mod tests;
+
+pub use local::BlockWeights;
+pub use matrix::{LevelRoughness, MeetingPattern};
+pub use residuals::ContactResiduals;
+pub use sorted_contacts::{SortedContacts, patch_frame};
+pub use sums::CellSums;

@@ -1,0 +1,89 @@
+//! Sparse factors of the normal equations and what follows from them: solutions, determinant, condition, entries of the inverse.
+
+mod selected_inverse;
+mod sparse_cholesky;
+
+pub use selected_inverse::SelectedInverse;
+pub use sparse_cholesky::SparseCholesky;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::HierarchyError;
+
+    /// The five-point matrix of a grid with wider coupling along the diagonal, upper triangle in compressed columns.
+    fn grid(wide: usize, high: usize) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+        let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+        for k in 0..wide * high {
+            let (i, j) = (k / high, k % high);
+            for (di, dj) in [(1, 1), (1, 0), (0, 1), (0, 0)] {
+                if i >= di && j >= dj {
+                    rows.push(k - di * high - dj);
+                    values.push(if di + dj == 0 { 6.0 + (k as f64).sin() } else { -0.9 / (di + dj) as f64 });
+                }
+            }
+            starts.push(rows.len());
+        }
+        (starts, rows, values)
+    }
+
+    fn multiply(starts: &[usize], rows: &[usize], values: &[f64], v: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; v.len()];
+        for column in 0..v.len() {
+            for at in starts[column]..starts[column + 1] {
+                out[rows[at]] += values[at] * v[column];
+                if rows[at] != column {
+                    out[column] += values[at] * v[rows[at]];
+                }
+            }
+        }
+        out
+    }
+
+    #[test]
+    fn solutions_traces_and_entries_of_the_inverse() {
+        for (wide, high) in [(1, 1), (3, 2), (17, 13), (40, 31)] {
+            let (starts, rows, values) = grid(wide, high);
+            let mut factor = SparseCholesky::plan(&starts, &rows).unwrap();
+            factor.factor(&values).unwrap();
+            let n = wide * high;
+            let exact: Vec<f64> = (0..n).map(|k| (0.3 * k as f64).cos()).collect();
+            let mut v = multiply(&starts, &rows, &values, &exact);
+            factor.solve(&mut v);
+            assert!(v.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-13));
+            let inverse = SelectedInverse::of(&factor).unwrap();
+            let trace = inverse.trace_with(&starts, &rows, &values);
+            assert!((trace - n as f64).abs() < 1e-11 * n as f64, "{trace} for {n}");
+            for column in (0..n).step_by(7) {
+                let mut unit = vec![0.0; n];
+                unit[column] = 1.0;
+                factor.solve(&mut unit);
+                for row in &rows[starts[column]..starts[column + 1]] {
+                    let entry = inverse.entry(*row, column).unwrap();
+                    assert!((entry - unit[*row]).abs() < 1e-14, "({row}, {column})");
+                    assert_eq!(inverse.entry(column, *row), Some(entry));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn determinant_and_condition_of_a_diagonal_block() {
+        // [4 1; 1 9] has the determinant 35; equilibrated [1 1/6; 1/6 1] with condition 7/5
+        let mut factor = SparseCholesky::plan(&[0, 1, 3], &[0, 0, 1]).unwrap();
+        factor.factor(&[4.0, 1.0, 9.0]).unwrap();
+        assert!((factor.log_determinant() - 35.0_f64.ln()).abs() < 1e-15);
+        assert!((factor.condition() - 1.4).abs() < 1e-14);
+        assert!(factor.factor_entries() >= 3 && factor.multiply_adds() >= 1.0);
+    }
+
+    #[test]
+    fn what_is_not_positive_definite_is_named() {
+        let mut factor = SparseCholesky::plan(&[0, 1, 3, 4], &[0, 0, 1, 2]).unwrap();
+        let refused = factor.factor(&[1.0, 2.0, 1.0, 1.0]).unwrap_err();
+        assert!(matches!(refused, HierarchyError::NotPositiveDefinite { unknown: 0 | 1, unknowns: 3 }), "{refused}");
+        assert_eq!(factor.factor(&[1.0, 0.0, 1.0, f64::NAN]), Err(HierarchyError::Overflow { unknown: 2 }));
+        let empty = HierarchyError::NotPositiveDefinite { unknown: 2, unknowns: 3 };
+        assert_eq!(factor.factor(&[1.0, 0.0, 1.0, 0.0]), Err(empty));
+    }
+}
