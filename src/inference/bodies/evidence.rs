@@ -238,8 +238,8 @@ impl<'a> LinearisedBase<'a> {
     }
 
     /// Whether distances are linear over a node's step, so that its evidence is that of a body: where they are not what the equations say
-    /// they are, by more than a contact scatters, the step leads elsewhere.
-    pub(super) fn is_linear(&self, node: &BodyHypothesis) -> bool {
+    /// they are, by so much that contacts would no longer belong, the step leads elsewhere.
+    pub(super) fn is_linear(&self, node: &BodyHypothesis, tuning: &Tuning) -> bool {
         let (step, rows) = (node.step(), &self.plain.of[0]);
         let primitive = moved(&self.primitive, step);
         if !is_possible(&primitive) {
@@ -253,7 +253,7 @@ impl<'a> LinearisedBase<'a> {
         let expected = rows[(unknowns, unknowns)] + (0..unknowns).map(of_squares).sum::<f64>();
         let found: f64 = self.members.iter().map(|&i| primitive.nearest(self.sample.points[i]).0.powi(2)).sum();
         let rms = |sum: f64| (sum.max(0.0) / self.rows[0].max(1.0)).sqrt();
-        (rms(found) - rms(expected)).abs() <= node.scatter()
+        (rms(found) - rms(expected)).abs() <= tuning.belongs * node.scatter().hypot(node.departure_size())
     }
 
     fn freedom(&self) -> f64 {

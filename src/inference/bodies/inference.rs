@@ -143,7 +143,7 @@ fn posterior(modes: &[Mode], sample: &BodySample, tuning: &Tuning) -> Option<Bod
     let (mut primitives, mut members, mut nodes) = (Vec::new(), Vec::new(), Vec::new());
     for (base, found) in judged {
         let (base, mut found) = about_its_best(base, found, best, tuning);
-        found.retain(|node| base.is_linear(node));
+        found.retain(|node| base.is_linear(node, tuning));
         let prior = kind_prior(base.primitive.kind, tuning);
         found.iter_mut().for_each(|node| (node.of, node.log_evidence) = (primitives.len(), node.log_evidence + prior));
         nodes.extend(found);
