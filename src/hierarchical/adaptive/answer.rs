@@ -67,7 +67,7 @@ impl AdaptiveFit {
         &self.report
     }
 
-    /// Standard deviation of a height of weight 1, input units.
+    /// Standard deviation of a height of weight 1, input units; of noise that varies the root of the harmonic mean of its variances.
     pub fn height_noise(&self) -> f64 {
         self.variance.sqrt() * self.frame.scale
     }

@@ -60,6 +60,9 @@ pub struct AdaptiveOptions {
     pub outliers: OutlierRule,
     /// How the rows are weighed.
     pub noise: RowVariances,
+    /// Whether noise that is estimated may differ from place to place: contacts then count by the residuals of the 2,000 nearest in the
+    /// order of the cells. Default yes: it costs 1 % of the efficiency where the noise is even, and intervals hold where it is not.
+    pub noise_varies: bool,
     /// Whether the entries of the inverse are computed, which standard uncertainties ask for. Default yes.
     pub uncertainty: bool,
 }
@@ -78,6 +81,7 @@ impl Default for AdaptiveOptions {
             roughness_order: 2,
             outliers: OutlierRule::Reject { clip: 3.0, reject: 4.5 },
             noise: RowVariances::Estimated,
+            noise_varies: true,
             uncertainty: true,
         }
     }

@@ -10,7 +10,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::local_scale::{LocalScales, shares};
+use super::local_scale::{LocalScales, noise_ratios, shares, weigh_by_noise};
 use super::marginal_likelihood::{StepEquations, lambdas_of_levels};
 use super::options::{AdaptiveOptions, OutlierRule, RowVariances};
 use super::split_test::{SplitTest, cells_to_split, stands_out};
@@ -223,15 +223,25 @@ impl<'a> MeshRefinement<'a> {
 
     /// Shares for the fits while cells are split.
     fn clipped(&mut self) -> Option<Vec<f64>> {
-        let OutlierRule::Reject { clip, .. } = self.options.outliers else { return None };
-        self.shares_by(|t| if t > clip { clip / t } else { 1.0 })
+        match self.options.outliers {
+            OutlierRule::Keep => self.shares_by(|_| 1.0),
+            OutlierRule::Reject { clip, .. } => self.shares_by(|t| if t > clip { clip / t } else { 1.0 }),
+        }
     }
 
     fn shares_by(&mut self, rule: impl Fn(f64) -> f64 + Sync) -> Option<Vec<f64>> {
-        let MeshRefinement { contacts, field, residuals, work, .. } = self;
+        let MeshRefinement { options, contacts, field, residuals, work, .. } = self;
+        let varies = options.noise_varies && options.noise == RowVariances::Estimated;
+        if !varies && options.outliers == OutlierRule::Keep {
+            return None;
+        }
         Some(timed(&mut work.passes, || {
             let scales = LocalScales::of(field.space(), contacts, residuals);
-            shares(field.space(), contacts, residuals, &scales, rule)
+            let mut made = shares(field.space(), contacts, residuals, &scales, rule);
+            if varies {
+                weigh_by_noise(&mut made, &noise_ratios(contacts, residuals));
+            }
+            made
         }))
     }
 
@@ -239,7 +249,9 @@ impl<'a> MeshRefinement<'a> {
     fn finish(&mut self, system: &mut System) -> Result<(), HierarchyError> {
         for k in 0..MOST_LAST_FITS {
             let rejected = self.rejected();
-            let (same, before) = (rejected == self.shares, self.lambdas.clone());
+            let without =
+                |shares: &Option<Vec<f64>>| -> Vec<bool> { shares.iter().flatten().map(|s| *s == 0.0).collect() };
+            let (same, before) = (without(&rejected) == without(&self.shares), self.lambdas.clone());
             self.shares = rejected;
             self.step(system, if k == 0 { LATER_SEARCH } else { 1 })?;
             let moved = self.lambdas.iter().zip(&before).map(|(a, b)| (a / b).ln().abs()).fold(0.0, f64::max);
@@ -253,8 +265,10 @@ impl<'a> MeshRefinement<'a> {
 
     /// Shares without the contacts that lie too far off.
     fn rejected(&mut self) -> Option<Vec<f64>> {
-        let OutlierRule::Reject { reject, .. } = self.options.outliers else { return None };
-        self.shares_by(|t| if t > reject { 0.0 } else { 1.0 })
+        match self.options.outliers {
+            OutlierRule::Keep => self.shares_by(|_| 1.0),
+            OutlierRule::Reject { reject, .. } => self.shares_by(|t| if t > reject { 0.0 } else { 1.0 }),
+        }
     }
 
     /// Numbers of the leaves that hold more than noise.

@@ -125,6 +125,27 @@ fn slopes_and_normals_are_weighed_by_their_noise() {
     }
 }
 
+/// Noise that grows a hundredfold across the domain: intervals hold at both ends.
+#[test]
+fn noise_may_differ_from_place_to_place() {
+    let mut contacts = touched(200_000, 0.0, 19, smooth);
+    let mut draw = Lcg::new(20);
+    for r in 0..contacts.len() {
+        contacts.z[r] += 0.002 * 10.0_f64.powf(contacts.x[r]) * draw.normal();
+    }
+    let fit = fitted(&contacts);
+    let ends: [[f64; 2]; 2] = [[-0.9, -0.5], [0.5, 0.9]];
+    for [from, to] in ends {
+        let places = (0..2000).map(|_| [from + (to - from) * draw.uniform(), 1.9 * draw.uniform() - 0.95]);
+        let held =
+            |[x, y]: &[f64; 2]| (fit.at(*x, *y).z - smooth(*x, *y)).abs() < 1.96 * fit.height_sd(*x, *y).unwrap();
+        let held = places.filter(held).count();
+        assert!(held > 1700, "{held} of 2000 for x from {from} to {to}");
+    }
+    let [left, right] = [-0.7, 0.7].map(|x| fit.height_sd(x, 0.0).unwrap());
+    assert!(right > 8.0 * left, "{left} {right}");
+}
+
 #[test]
 fn declared_noise_is_taken_at_its_word() {
     let contacts = touched(20_000, 0.002, 17, smooth);
