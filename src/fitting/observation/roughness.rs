@@ -36,7 +36,7 @@ impl RoughnessOrder {
     }
 
     /// Derivatives by x and by y of every term, with its binomial coefficient.
-    fn terms(self) -> &'static [(f64, usize, usize)] {
+    pub fn terms(self) -> &'static [(f64, usize, usize)] {
         match self {
             RoughnessOrder::Second => &[(1.0, 2, 0), (2.0, 1, 1), (1.0, 0, 2)],
             RoughnessOrder::Third => &[(1.0, 3, 0), (3.0, 2, 1), (3.0, 1, 2), (1.0, 0, 3)],

@@ -2,6 +2,7 @@
 
 use crate::error::HierarchyError;
 use crate::mesh::MAX_LEVEL;
+use palpate_fitting::observation::RoughnessOrder;
 
 /// What happens to contacts that lie far off.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,8 +55,8 @@ pub struct AdaptiveOptions {
     pub deepest_level: usize,
     /// No cell is split any more beyond so many unknowns. Default 2,000,000: about 10 GB of factor.
     pub most_unknowns: usize,
-    /// Order of the derivatives whose squares are the roughness, 2 or 3. Default 2, the thin plate.
-    pub roughness_order: usize,
+    /// Which derivatives' squares are the roughness. Default second ones, the thin plate.
+    pub roughness: RoughnessOrder,
     /// What happens to outliers.
     pub outliers: OutlierRule,
     /// How the rows are weighed.
@@ -78,7 +79,7 @@ impl Default for AdaptiveOptions {
             least_contacts: 16,
             deepest_level: 12,
             most_unknowns: 2_000_000,
-            roughness_order: 2,
+            roughness: RoughnessOrder::Second,
             outliers: OutlierRule::Reject { clip: 3.0, reject: 4.5 },
             noise: RowVariances::Estimated,
             noise_varies: true,
@@ -110,8 +111,8 @@ impl AdaptiveOptions {
         if self.deepest_level > MAX_LEVEL {
             return wrong("deepest_level", self.deepest_level.to_string(), "at most 20");
         }
-        if !(2..=3).contains(&self.roughness_order) || self.roughness_order > self.degree {
-            return wrong("roughness_order", self.roughness_order.to_string(), "2 or 3, and at most the degree");
+        if self.roughness == RoughnessOrder::Third && self.degree < 3 {
+            return wrong("roughness", "Third".into(), "Second below degree 3, where a spline has no third derivative");
         }
         if let OutlierRule::Reject { clip, reject } = self.outliers
             && !(clip > 0.0 && reject >= clip && reject.is_finite())

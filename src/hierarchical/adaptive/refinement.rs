@@ -137,7 +137,7 @@ impl<'a> MeshRefinement<'a> {
     }
 
     fn system(&mut self) -> Result<System, HierarchyError> {
-        System::plan(self.field.space().clone(), self.options.roughness_order, &mut self.work)
+        System::plan(self.field.space().clone(), self.options.roughness, &mut self.work)
     }
 
     /// One step from the surface at hand; `search` likelihoods are asked for lambda, none: it stays.
@@ -151,7 +151,7 @@ impl<'a> MeshRefinement<'a> {
             sums
         });
         let (matrix, load) = timed(&mut work.assembly, || system.pattern.assemble(&system.space, &sums, *weights));
-        let smooth = if self.options.roughness_order == 2 { 3.0 } else { 6.0 };
+        let smooth = self.options.roughness.null_dimension() as f64;
         let [squares, rows, slope_squares, slope_rows] = sums.totals();
         drop(sums);
         let rough = system.rough(&self.lambdas);

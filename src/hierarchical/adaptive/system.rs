@@ -7,6 +7,7 @@ use crate::equations::{LevelRoughness, MeetingPattern};
 use crate::error::HierarchyError;
 use crate::factor::SparseCholesky;
 use crate::space::HierarchicalSpace;
+use palpate_fitting::observation::RoughnessOrder;
 
 /// Where the time of a fit went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,7 +47,7 @@ pub(super) struct System {
 impl System {
     pub(super) fn plan(
         space: Arc<HierarchicalSpace>,
-        order: usize,
+        order: RoughnessOrder,
         work: &mut FitWork,
     ) -> Result<System, HierarchyError> {
         let (pattern, roughness) = timed(&mut work.assembly, || {

@@ -8,6 +8,7 @@
 
 use super::polynomials::{AxisPolynomials, Products, SegmentTable};
 use super::sums::CellSum;
+use palpate_fitting::observation::RoughnessOrder;
 
 /// Weights of both kinds of rows, squared.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,17 +67,15 @@ impl LocalEquations {
     }
 
     /// Adds the roughness of this order over a cell with these half sides.
-    pub(crate) fn add_roughness(&mut self, [x, y]: [&SegmentTable; 2], half: [f64; 2], order: usize) {
+    pub(crate) fn add_roughness(&mut self, [x, y]: [&SegmentTable; 2], half: [f64; 2], order: RoughnessOrder) {
         let powers = self.widths.map(|width| 2 * width - 1);
         // the integral of u^i over [-1, 1]
         let integral = |i: usize| if i.is_multiple_of(2) { 2.0 / (i + 1) as f64 } else { 0.0 };
         let area = half[0] * half[1];
         let g: Vec<f64> =
             (0..powers[0] * powers[1]).map(|k| area * integral(k / powers[1]) * integral(k % powers[1])).collect();
-        let mut binomial = 1.0;
-        for j in 0..=order {
-            self.add_products([&x.squares[j], &y.squares[order - j]], &g, binomial);
-            binomial *= (order - j) as f64 / (j + 1) as f64;
+        for (binomial, by_x, by_y) in order.terms() {
+            self.add_products([&x.squares[*by_x], &y.squares[*by_y]], &g, *binomial);
         }
         self.mirror();
     }

@@ -11,6 +11,7 @@ use super::local::{BlockWeights, LocalEquations};
 use super::polynomials::{SegmentTable, SegmentTables};
 use super::sums::CellSums;
 use crate::space::{HierarchicalSpace, LocalFunction};
+use palpate_fitting::observation::RoughnessOrder;
 use palpate_numeric::threads;
 
 /// Leaves whose parts are made on all threads before they are added, one after another.
@@ -167,8 +168,8 @@ impl MeetingPattern {
         self.add_leaves(space, &leaves, |leaf, axes, local| local.add_contacts(axes, &sums.cell(leaf), weights))
     }
 
-    /// The matrices of the roughness of this order, 2 or 3, over the cells of every level.
-    pub fn roughness(&self, space: &HierarchicalSpace, order: usize) -> Vec<LevelRoughness> {
+    /// The matrices of the roughness of this order over the cells of every level.
+    pub fn roughness(&self, space: &HierarchicalSpace, order: RoughnessOrder) -> Vec<LevelRoughness> {
         let half = |leaf: usize| space.mesh().centre_and_half(space.leaves()[leaf])[1];
         let mut by_level = vec![Vec::new(); space.mesh().tree().deepest() + 1];
         space.leaves().iter().enumerate().for_each(|(leaf, cell)| by_level[usize::from(cell.level)].push(leaf));

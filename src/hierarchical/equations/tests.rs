@@ -6,7 +6,7 @@ use super::*;
 use crate::field::HierarchicalField;
 use crate::mesh::{CellId, Mesh};
 use crate::space::HierarchicalSpace;
-use palpate_fitting::observation::linearise_normals;
+use palpate_fitting::observation::{RoughnessOrder, linearise_normals};
 use palpate_geometry::contact::{Contacts, Frame};
 use palpate_numeric::bspline::Knots;
 use palpate_numeric::draws::Lcg;
@@ -147,13 +147,14 @@ fn roughness_is_the_integral() {
     factor.factor(&values).unwrap();
     let mut c = load;
     factor.solve(&mut c);
-    for (order, exact) in [(2, 4.0 * 4.0 / 3.0 + 2.0 * 4.0 * 4.0 / 3.0), (3, 3.0 * 4.0 * 4.0)] {
+    let (second, third) = (RoughnessOrder::Second, RoughnessOrder::Third);
+    for (order, exact) in [(second, 4.0 * 4.0 / 3.0 + 2.0 * 4.0 * 4.0 / 3.0), (third, 3.0 * 4.0 * 4.0)] {
         let mut rough = vec![0.0; values.len()];
         pattern.roughness(&space, order).iter().for_each(|level| level.add_to(1.0, &mut rough));
         let mut product = vec![0.0; c.len()];
         pattern.multiply(&rough, &c, &mut product);
         let found: f64 = product.iter().zip(&c).map(|(a, b)| a * b).sum();
-        assert!((found - exact).abs() < 1e-6 * exact, "order {order}: {found} {exact}");
+        assert!((found - exact).abs() < 1e-6 * exact, "{order:?}: {found} {exact}");
     }
 }
 

@@ -43,6 +43,7 @@ mod local;
 mod normal_orientation;
 mod object_match;
 mod options;
+mod pair_geometry;
 mod partition;
 mod point_shapes;
 mod recognition_fallback;

@@ -16,9 +16,10 @@
 
 use std::f64::consts::PI;
 
+use super::pair_geometry::{cosine, distance};
+use super::relations::log_normal;
 use super::result::{Part, Parts};
 use crate::primitives::placed::PartKind;
-use palpate_numeric::vector::{cross, dot, minus, norm};
 
 /// A known object.
 #[derive(Clone, Debug)]
@@ -55,13 +56,23 @@ pub struct ObjectPrior {
     pub lengths: f64,
     /// Ties that are missed by more uncertainties than this contradict an assignment.
     pub contradicts: f64,
+    /// Directions that differ by less are side by side: two degrees, more than what is measured well is off.
+    pub beside_deg: f64,
     /// Assignments tried at most.
     pub most_tried: usize,
 }
 
 impl Default for ObjectPrior {
     fn default() -> ObjectPrior {
-        ObjectPrior { foreign: 0.05, alike: 0.005, whole: 0.5, lengths: 3.0, contradicts: 5.0, most_tried: 100_000 }
+        ObjectPrior {
+            foreign: 0.05,
+            alike: 0.005,
+            whole: 0.5,
+            lengths: 3.0,
+            contradicts: 5.0,
+            beside_deg: 2.0,
+            most_tried: 100_000,
+        }
     }
 }
 
@@ -227,6 +238,7 @@ impl Compared<'_> {
 
     /// What lies between two parts; `None` where it contradicts.
     fn ties(&self, seen: [&Part; 2], known: [&Part; 2]) -> Option<Tie> {
+        let beside = self.prior.beside_deg.to_radians().sin();
         let mut tie = Tie { log: 0.0, at_most: 0.0 };
         if let (Some((x, s)), Some((y, t))) = (cosine(seen), cosine(known)) {
             let turn = s.hypot(t).hypot(self.prior.alike);
@@ -236,7 +248,7 @@ impl Compared<'_> {
             tie.log += self.ratio(x - y, of_cosine(y), 1.0, &usual(x))?;
             tie.at_most += self.ratio(0.0, of_cosine(y), 1.0, &usual(y))?;
         }
-        if let (Some((x, s)), Some((y, t))) = (distance(seen), distance(known)) {
+        if let (Some((x, s)), Some((y, t))) = (distance(seen, beside), distance(known, beside)) {
             let s = s.hypot(t).hypot(self.prior.alike * self.size);
             tie.log += self.ratio(x - y, s, 1.0 / self.size, &[[x, s]])?;
             tie.at_most += self.ratio(0.0, s, 1.0 / self.size, &[[y, s]])?;
@@ -259,53 +271,7 @@ impl Compared<'_> {
 
 /// N(off; 0, s^2).
 fn normal(off: f64, s: f64) -> f64 {
-    (-0.5 * (off / s).powi(2)).exp() / (s * (2.0 * PI).sqrt())
-}
-
-/// |cos| of the angle between two directions, and the angle's uncertainty.
-fn cosine([a, b]: [&Part; 2]) -> Option<(f64, f64)> {
-    let (n, m) = a.geometry.axis.zip(b.geometry.axis)?;
-    let u = a.u.axis_deg.unwrap_or(0.0).hypot(b.u.axis_deg.unwrap_or(0.0));
-    Some((dot(n, m).abs().min(1.0), u.to_radians()))
-}
-
-/// Distance between two faces, axes or centres that lie beside each other, with its uncertainty; `None` of those that meet somewhere.
-fn distance([a, b]: [&Part; 2]) -> Option<(f64, f64)> {
-    /// Sines of angles below which directions are side by side: two degrees, farther than any that is measured well.
-    const BESIDE: f64 = 0.035;
-    let apart = minus(b.geometry.point, a.geometry.point);
-    let lever = |part: &Part, over: f64| over * part.u.axis_deg.unwrap_or(0.0).to_radians();
-    let of_points = a.u.point.unwrap_or(0.0).hypot(b.u.point.unwrap_or(0.0));
-    let has_centre = |part: &Part| matches!(part.kind, PartKind::Sphere | PartKind::Torus);
-    let is_plane = |part: &Part| part.kind == PartKind::Plane;
-    let across = |part: &Part| part.geometry.axis.map(|n| (dot(apart, n).abs(), norm(cross(apart, n))));
-    match (a.geometry.axis, b.geometry.axis) {
-        (Some(n), Some(m)) if is_plane(a) && is_plane(b) => {
-            let (off, over) = across(a)?;
-            (norm(cross(n, m)) < BESIDE).then(|| (off, of_points.hypot(lever(a, over)).hypot(lever(b, over))))
-        }
-        _ if has_centre(a) && has_centre(b) => Some((norm(apart), of_points)),
-        _ if is_plane(a) && has_centre(b) => across(a).map(|(off, over)| (off, of_points.hypot(lever(a, over)))),
-        _ if is_plane(b) && has_centre(a) => across(b).map(|(off, over)| (off, of_points.hypot(lever(b, over)))),
-        (Some(_), _) if has_centre(b) => across(a).map(|(over, off)| (off, of_points.hypot(lever(a, over)))),
-        (_, Some(_)) if has_centre(a) => across(b).map(|(over, off)| (off, of_points.hypot(lever(b, over)))),
-        (Some(n), Some(m)) if is_plane(a) != is_plane(b) => {
-            // an axis beside a face
-            let (face, line) = if is_plane(a) { (a, b) } else { (b, a) };
-            let (off, over) = across(face)?;
-            (dot(n, m).abs() < BESIDE).then(|| (off, of_points.hypot(lever(face, over)).hypot(lever(line, over))))
-        }
-        (Some(n), Some(m)) if norm(cross(n, m)) < BESIDE => {
-            let (over, off) = across(a)?;
-            Some((off, of_points.hypot(lever(a, over)).hypot(lever(b, over))))
-        }
-        (Some(n), Some(m)) => {
-            let normal = cross(n, m);
-            let over = norm(apart);
-            Some((dot(apart, normal).abs() / norm(normal), of_points.hypot(lever(a, over)).hypot(lever(b, over))))
-        }
-        _ => None,
-    }
+    log_normal(off * off, s, 1).exp()
 }
 
 #[cfg(test)]

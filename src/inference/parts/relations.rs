@@ -176,7 +176,7 @@ fn probability(log_ratio: f64, prior: &RelationPrior) -> f64 {
 }
 
 /// ln N(d; 0, s^2 I) in so many directions, `square` being |d|^2.
-fn log_normal(square: f64, s: f64, directions: i32) -> f64 {
+pub(super) fn log_normal(square: f64, s: f64, directions: i32) -> f64 {
     -0.5 * square / (s * s) - f64::from(directions) * (s * (2.0 * PI).sqrt()).ln()
 }
 
@@ -262,13 +262,8 @@ mod tests {
     use palpate_numeric::draws::Lcg;
     use palpate_numeric::vector::unit;
 
-    fn gaussian(generator: &mut Lcg) -> f64 {
-        let angle = std::f64::consts::TAU * generator.uniform();
-        (-2.0 * (1.0 - generator.uniform()).ln()).sqrt() * angle.cos()
-    }
-
     fn anywhere(generator: &mut Lcg) -> Vector {
-        [0, 1, 2].map(|_| gaussian(generator))
+        [0, 1, 2].map(|_| generator.normal())
     }
 
     fn part(id: usize, kind: PartKind, point: Vector, axis: Option<Vector>, radius: Option<f64>) -> Part {
@@ -316,7 +311,7 @@ mod tests {
     fn bar(id: usize, point: Vector, axis: Vector, radius: f64, generator: &mut Lcg) -> Part {
         let off = along(point, U_LENGTH, anywhere(generator));
         let turned = unit(along(axis, U_DEG.to_radians(), anywhere(generator)));
-        part(id, PartKind::Cylinder, off, Some(turned), Some(radius + U_LENGTH * gaussian(generator)))
+        part(id, PartKind::Cylinder, off, Some(turned), Some(radius + U_LENGTH * generator.normal()))
     }
 
     fn told(parts: &Parts, kind: RelationKind) -> Option<f64> {

@@ -117,8 +117,7 @@ mod tests {
         let mut generator = Lcg::new(7);
         let mut one = || {
             let [x, y] = [0, 1].map(|_| 2.0 * generator.uniform() - 1.0);
-            let sum: f64 = (0..12).map(|_| generator.uniform()).sum();
-            [x, y, at(x, y) + noise * (sum - 6.0)]
+            [x, y, at(x, y) + noise * generator.normal()]
         };
         Contacts::from_points(&(0..count).map(|_| one()).collect::<Vec<[f64; 3]>>())
     }
