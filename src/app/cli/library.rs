@@ -15,6 +15,7 @@ use palpate_inference::parts::{ObjectModel, Parts, PartsOptions};
 
 use super::failure::Failure;
 use super::interrupt;
+use super::options::OutputFlags;
 use super::pixels::contacts_of;
 use super::scene;
 use super::until::Until;
@@ -33,18 +34,16 @@ pub(super) fn files_of(directory: &Path) -> Result<Vec<PathBuf>, Failure> {
     if files.is_empty() { Err(failed("has no files; put one of each known object into it")) } else { Ok(files) }
 }
 
-/// The objects, named by their files without the ending. `reading` is told which one is at work.
+/// The objects, named by their files without the ending; people who wait see which one is at work.
 ///
 /// # Errors
 /// When a file cannot be read, or has no parts; after Ctrl-C.
-pub(super) fn models(files: &[PathBuf], reading: &dyn Fn(&Path)) -> Result<Vec<ObjectModel>, Failure> {
-    files
-        .iter()
-        .map(|file| {
-            reading(file);
-            model(file)
-        })
-        .collect()
+pub(super) fn models(files: &[PathBuf], output: &OutputFlags) -> Result<Vec<ObjectModel>, Failure> {
+    let at_work = |file: &PathBuf| {
+        let _spinner = output.spinner(format!("reading {}", file.display()));
+        model(file)
+    };
+    files.iter().map(at_work).collect()
 }
 
 fn model(file: &Path) -> Result<ObjectModel, Failure> {

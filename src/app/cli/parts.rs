@@ -38,6 +38,8 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
         std::iter::once(Path::new(&args.input)).chain(known.iter().map(PathBuf::as_path)).collect();
     args.output.prepare(&inputs, args.points.as_slice())?;
     let format = points_format(args)?;
+    // an object that cannot be read is said before the body is cut up
+    let models = library::models(&known, &args.output)?;
     let spinner = args.output.spinner(format!("reading {}", args.input));
     let taken = if is_scene { from_scene(args)? } else { spinner.while_reading(|| from_file(args))? };
     spinner.phase(&format!("looking for the parts of {}", args.input));
@@ -57,8 +59,7 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     };
     let found = in_time(&taken, &options, Parts::of, &kept)?;
     let mut document = document(&taken, &found, clock.elapsed().as_secs_f64());
-    if !known.is_empty() {
-        let models = library::models(&known, &|file| spinner.phase(&format!("reading {}", file.display())))?;
+    if !models.is_empty() {
         document = document.with_objects(found.object(&models, &ObjectPrior::default()));
     }
     drop(spinner);

@@ -16,7 +16,7 @@ pub(super) struct PartsArgs {
     /// Departures from a primitive that make no part of their own [default: a tenth of the spacing or 0.3 % of the body]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(super) tolerance: Option<f64>,
-    /// Write x, y, z, normal, k1, k2, S, R, u_S and u_R at every point to .csv, .npz, .ply or .parquet (- for CSV on standard output); without --out and --json, nothing is cut into parts
+    /// Write x, y, z, normal, k1, k2, S, R, u_S and u_R at every point to .csv, .npz, .ply or .parquet (- for CSV on standard output); without --out, --json and --library, nothing is cut into parts
     #[arg(long, value_name = "FILE")]
     pub(super) points: Option<PathBuf>,
     /// Known objects, one file of the directory each: a parts.json of an earlier run, or a scan, mesh or scene; tells which of them the body is, and how probably
