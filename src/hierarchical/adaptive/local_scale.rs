@@ -1,7 +1,7 @@
 //! How large residuals are near every cell, and what share of a contact counts by it.
 //!
 //! ```text
-//! s_Q = 1.4826 median |r| over the contacts of Q, at least 64 of them with those nearest in the order of the cells
+//! s_Q = mad of r over the contacts of Q, at least 64 of them with those nearest in the order of the cells
 //! share = min(1, clip s_Q / |r|) while cells are split (P. J. Huber), 1 or 0 in the last fits
 //! ```
 //!
