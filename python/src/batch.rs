@@ -11,7 +11,7 @@
 
 use numpy::IntoPyArray;
 use numpy::ndarray::{Array2, ArrayViewD, Axis, Ix2, Slice};
-use palpate::cli::embedded::{FitAnswer, FitRefusal};
+use palpate::cli::embedded::{AskedSurface, FitAnswer, FitRefusal};
 use palpate::fit::{FitOptions, Statistic};
 use palpate::parametric::FittedSurface;
 use palpate::{Contacts, Grid, Orientation, fit_grid};
@@ -108,15 +108,16 @@ impl Batch<'_> {
 }
 
 fn fit_one(input: Input, keywords: &Keywords) -> Result<Row, String> {
-    let Keywords { options, named, viewpoint, bare } = keywords;
+    let Keywords { options, named, viewpoint, bare, .. } = keywords;
+    let asked = keywords.asked();
     let said = |refusal: FitRefusal| match refusal {
         FitRefusal::Fit(error) => error.to_string(),
         FitRefusal::Shape(message) => message,
     };
-    if let (true, Input::Grid(grid)) = (*named, &input) {
+    if let (AskedSurface::Spline, Input::Grid(grid)) = (asked, &input) {
         return fit_grid(grid, options).map(|fit| row_of(&fit, *bare)).map_err(|error| error.to_string());
     }
-    if let (true, Input::Contacts(contacts)) = (*named, &input) {
+    if let (AskedSurface::Spline, Input::Contacts(contacts)) = (asked, &input) {
         let (found, _) = fit_named(contacts, options)?;
         return Ok(match found {
             FittedSurface::Height(fit) => row_of(&fit, *bare),
@@ -127,9 +128,13 @@ fn fit_one(input: Input, keywords: &Keywords) -> Result<Row, String> {
             }
         });
     }
-    let answer = FitAnswer::new(input, false, options, *viewpoint, false).map_err(said)?;
+    let answer = FitAnswer::new(input, asked, options, *viewpoint, *named && *bare).map_err(said)?;
     if let Some(fit) = answer.height_field() {
         return Ok(row_of(fit, false));
+    }
+    if let Some(shape) = answer.adaptive_shape() {
+        let numbers = [shape.k1.mean, shape.k2.mean, shape.radius, None];
+        return Ok(row([&shape.shape_index, &shape.curvedness], numbers, shape.class.name()));
     }
     let Some(found) = answer.recognition() else { return Ok(MISSING) };
     let direction = found.direction.map(on_the_map);

@@ -14,7 +14,7 @@ use pyo3::types::{PyBytes, PyDict};
 use super::contacts::{Beside, contacts, grid};
 use super::errors::{self, PlannerRefusal};
 use super::options::{Keywords, grid_points};
-use super::surfaces::{ParametricSurface, Surface};
+use super::surfaces::{ParametricSurface, Surface, UPRIGHT};
 
 /// The answer of a fit, behind `palpate.Fit`.
 #[pyclass(frozen, module = "palpate._native")]
@@ -67,6 +67,10 @@ impl FitCore {
             let surface = fit.input_surface().map_err(wrong)?;
             return Ok(ParametricSurface::new_of(surface).into_pyobject(py)?.into_any().unbind());
         }
+        if let Some(spline) = py.detach(|| self.answer.adaptive_spline()) {
+            let field = spline.map_err(|what| errors::plain(py, "FitError", what, "TooLarge"))?;
+            return Ok(Surface::new_of(field, UPRIGHT).into_pyobject(py)?.into_any().unbind());
+        }
         let Some(found) = self.answer.recognition() else { return Ok(py.None()) };
         Ok(match py.detach(|| found.spline()).map_err(wrong)? {
             RecognisedSpline::Height { surface, fit } => {
@@ -85,6 +89,15 @@ impl FitCore {
         let fit = self.answer.planning_fit().ok_or(PlannerRefusal::Surface)?;
         TouchPlanner::new(&fit).map_err(PlannerRefusal::Explore)
     }
+}
+
+/// The Surface of an adaptive fit, from its document.
+#[pyfunction]
+pub(crate) fn adaptive_surface(py: Python<'_>, document: &[u8]) -> PyResult<Surface> {
+    let field = py
+        .detach(|| embedded::adaptive_spline_of(document))
+        .map_err(|what| errors::plain(py, "FitError", what, "TooLarge"))?;
+    Ok(Surface::new_of(field, UPRIGHT))
 }
 
 /// A unit of length, where the text is one.
@@ -134,8 +147,8 @@ pub(crate) fn fit_grid<'py>(
 }
 
 fn answer(py: Python<'_>, input: Input, keywords: &Keywords) -> PyResult<FitCore> {
-    let Keywords { options, named, viewpoint, bare } = keywords;
-    let answer = py.detach(|| FitAnswer::new(input, *named, options, *viewpoint, *bare));
+    let Keywords { options, viewpoint, bare, .. } = keywords;
+    let answer = py.detach(|| FitAnswer::new(input, keywords.asked(), options, *viewpoint, *bare));
     // whoever pressed Ctrl-C during a long fit is heard here
     py.check_signals()?;
     Ok(FitCore { answer: answer.map_err(|refusal| errors::refusal(py, &refusal))? })

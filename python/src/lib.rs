@@ -33,7 +33,7 @@ mod _native {
     #[pymodule_export]
     use super::explorations::{TouchPlanner, explore};
     #[pymodule_export]
-    use super::fitting::{FitCore, fit_contacts, fit_grid, time_fit, unit_name};
+    use super::fitting::{FitCore, adaptive_surface, fit_contacts, fit_grid, time_fit, unit_name};
     #[pymodule_export]
     use super::frontiers::{frontier, frontier_of_contacts};
     #[pymodule_export]

@@ -5,6 +5,7 @@
 //! any keyword that fixes the model                  named: exactly that fit; otherwise the contacts are recognised
 //! ```
 
+use palpate::cli::embedded::AskedSurface;
 use palpate::fit::{
     FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind,
 };
@@ -23,6 +24,10 @@ pub(crate) struct Keywords {
     pub(crate) options: FitOptions,
     /// Something fixes the model.
     pub(crate) named: bool,
+    /// Small cells where the contacts ask for them.
+    adaptive: bool,
+    /// Degrees and grid points that were given.
+    given: [Option<[usize; 2]>; 2],
     pub(crate) viewpoint: Option<[f64; 3]>,
     pub(crate) bare: bool,
 }
@@ -33,23 +38,29 @@ const NAMELESS: [&str; 8] = ["grid", "inset", "frame", "robust", "level", "viewp
 impl Keywords {
     /// Reads the keywords over `base`; an unknown one is a TypeError, as Python has it.
     pub(crate) fn read(given: Option<&Bound<'_, PyDict>>) -> PyResult<Keywords> {
-        let mut found = Keywords { options: FitOptions::default(), named: false, viewpoint: None, bare: false };
+        let mut found = Keywords {
+            options: FitOptions::default(),
+            named: false,
+            adaptive: false,
+            given: [None; 2],
+            viewpoint: None,
+            bare: false,
+        };
         let Some(given) = given else { return Ok(found) };
         // a parametric surface is of degree 3 unless a degree is named: a biquadratic bends too little to go round
-        let mut degree_named = false;
         for (key, value) in given.iter() {
             if value.is_none() {
                 continue;
             }
             let key = key.cast::<PyString>()?.to_str()?.to_owned();
-            degree_named |= key == "degree";
             found.named |= !NAMELESS.contains(&key.as_str());
             found.take(&key, &value)?;
         }
         let options = &mut found.options;
-        if options.surface == SurfaceKind::Parametric && !degree_named {
+        if options.surface == SurfaceKind::Parametric && found.given[0].is_none() {
             options.degree = options.degree.map(|p| p.max(3));
         }
+        found.check_adaptive(given)?;
         if found.bare && !found.named {
             return Err(PyValueError::new_err(
                 "bare: a recognition's intervals and probabilities are its answer; name a model beside it, as degree=2",
@@ -58,12 +69,42 @@ impl Keywords {
         Ok(found)
     }
 
+    /// An adaptive surface takes few of the other keywords.
+    fn check_adaptive(&self, given: &Bound<'_, PyDict>) -> PyResult<()> {
+        if !self.adaptive {
+            return Ok(());
+        }
+        for key in
+            ["surface", "closed", "segments", "knots", "weights", "method", "smooth", "robust", "frame", "sigma_xy"]
+        {
+            if given.get_item(key)?.is_some_and(|value| !value.is_none()) {
+                return Err(PyValueError::new_err(format!(
+                    "{key}: means nothing for an adaptive surface; leave it out"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Which surface the keywords ask for.
+    pub(crate) fn asked(&self) -> AskedSurface {
+        match (self.adaptive, self.named) {
+            (true, _) => AskedSurface::Adaptive { degree: self.given[0], grid: self.given[1] },
+            (false, true) => AskedSurface::Spline,
+            (false, false) => AskedSurface::Recognised,
+        }
+    }
+
     fn take(&mut self, key: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let options = &mut self.options;
         match key {
             "surface" => options.surface = word::<SurfaceKind>(value, "surface")?,
             "closed" => options.closed = closed(value)?,
-            "degree" => options.degree = pair(value, "degree", 9)?,
+            "adaptive" => self.adaptive = value.is_truthy()?,
+            "degree" => {
+                options.degree = pair(value, "degree", 9)?;
+                self.given[0] = Some(options.degree);
+            }
             "segments" => {
                 options.segments = pair(value, "segments", MOST_SEGMENTS)?;
                 within(options.segments, MOST_SEGMENTS, "segments")?;
@@ -76,7 +117,10 @@ impl Keywords {
             "smooth" => options.smooth = smooth(value)?,
             "sigma_xy" => options.sigma_xy = number(value, "sigma_xy")?,
             "robust" => options.robust = word::<Robust>(value, "robust")?,
-            "grid" => options.grid = grid_points(value)?,
+            "grid" => {
+                options.grid = grid_points(value)?;
+                self.given[1] = Some(options.grid);
+            }
             "inset" => options.inset = number(value, "inset")?,
             "level" => options.level = number(value, "level")?,
             "frame" => {

@@ -38,7 +38,7 @@ pub(crate) struct ParametricSurface {
     tensor: Tensor,
 }
 
-const UPRIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub(crate) const UPRIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 type Values<'py> = Bound<'py, PyArrayDyn<f64>>;
 

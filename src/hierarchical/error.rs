@@ -44,6 +44,14 @@ pub enum HierarchyError {
         /// The deepest level.
         most: usize,
     },
+    /// A cell that lies in no cell of the base grid.
+    #[error("cell {place:?} of level {level} lies in no cell of the base grid")]
+    Place {
+        /// Level of the cell.
+        level: usize,
+        /// Its place in the grid of its level.
+        place: [u32; 2],
+    },
     /// Coefficients that do not fit the space.
     #[error("{found} coefficients for {expected} functions")]
     Coefficients {

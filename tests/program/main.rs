@@ -2,6 +2,7 @@
 
 #![cfg(feature = "cli")]
 
+mod adaptive;
 mod cli_bad_input;
 mod cli_study;
 mod cli_verbs;

@@ -10,6 +10,7 @@ pub(crate) struct Context {
 /// What is typed after an option where a context says nothing else. An option that is not here fails the test.
 pub(crate) const VALUES: &[(&str, &str)] = &[
     ("--surface", "parametric"),
+    ("--adaptive", ""),
     ("--closed", "u"),
     ("--degree", "3"),
     ("--segments", "2"),
@@ -112,6 +113,10 @@ pub(crate) const FIT: &[Context] = &[
     on(
         "fit bar.csv --surface parametric",
         &[("--skip-invalid", "fit holes.csv --surface parametric", ""), ("--degree", "", "2")],
+    ),
+    on(
+        "fit bare.csv --adaptive",
+        &[("--skip-invalid", "fit holes.csv --adaptive", ""), ("--degree", "", "4"), ("--columns", "", "x=x,y=z,z=y")],
     ),
     on(
         "fit bar.csv bare.csv --json",

@@ -257,11 +257,12 @@ def _restored(document: dict[str, Any], name: str, table: str) -> Fit:
 def _saved_surface(document: dict[str, Any]) -> Surface | ParametricSurface:
     saved = document["surface"]
     knots, degree = tuple(np.array(axis) for axis in saved["knots"]), tuple(saved["degree"])
-    coefficients = np.array(saved["coefficients"])
+    if saved["kind"] == "adaptive":
+        return _native.adaptive_surface(json.dumps(document).encode())
     if saved["kind"] == "parametric":
         closed = saved.get("closed") or (False, False)
-        return ParametricSurface(knots, coefficients, degree, tuple(closed))
-    return Surface(knots, coefficients, degree, document["frame"]["axes"])
+        return ParametricSurface(knots, np.array(saved["coefficients"]), degree, tuple(closed))
+    return Surface(knots, np.array(saved["coefficients"]), degree, document["frame"]["axes"])
 
 
 def fit(
@@ -278,6 +279,7 @@ def fit(
     station: Numbers | None = None,
     flip_normals: bool = False,
     surface: str | None = None,
+    adaptive: bool = False,
     closed: str | tuple[bool, bool] | None = None,
     degree: Pair | None = None,
     segments: Pair | None = None,
@@ -310,9 +312,10 @@ def fit(
     A grid: x (n,), y (m,) increasing, z (n, m) indexed [x, y], NaN where a height is missing; slopes=(zx, zy), each (n, m).
     An xarray.DataArray with coordinates x and y alone: the grid that it holds; a Dataset: the grid z, or its columns.
 
-    Where nothing names a model, the contacts are recognised, as `palpate fit FILE` does. Any of surface, closed, degree,
+    Where nothing names a model, the contacts are recognised, as `palpate fit FILE` does. Any of surface, adaptive, closed, degree,
     segments, knots, domain, weights, sigma, method and smooth names a model and gives exactly that fit; robust, frame, grid and
-    inset name none. sigma_xy declares the sd of errors in x and in y, and names nothing. bare=True leaves out certificate and uncertainties of a named model. unit, such as "mm", is said beside
+    inset name none. sigma_xy declares the sd of errors in x and in y, and names nothing. adaptive=True splits cells until nothing but noise is left: many contacts over x and y, with
+    features far smaller than the whole; degree, domain, sigma, grid, inset and level go with it. bare=True leaves out certificate and uncertainties of a named model. unit, such as "mm", is said beside
     every length of the printed table and of the document; nothing is converted.
 
     Arrays of float64 are read where they lie, whatever their strides, into the columns that the fit owns: one copy of the
@@ -330,7 +333,7 @@ def fit(
     """
     given = columns("fit", Columns(x, y, z, normals, slopes, (wz, wx, wy), (finger, station)))
     words = {
-        "surface": surface, "closed": closed, "degree": degree, "segments": segments, "knots": knots, "domain": domain,
+        "surface": surface, "adaptive": adaptive or None, "closed": closed, "degree": degree, "segments": segments, "knots": knots, "domain": domain,
         "weights": weights, "sigma": sigma, "method": method, "smooth": smooth, "robust": robust, "grid": grid,
         "sigma_xy": sigma_xy,
         "inset": inset, "frame": frame, "level": level, "viewpoint": viewpoint, "bare": bare or None,

@@ -17,6 +17,7 @@ __all__ = [
     "Surface",
     "TouchPlanner",
     "TouchStream",
+    "adaptive_surface",
     "class_names",
     "column_names",
     "explore",
@@ -218,6 +219,7 @@ def fit_contacts(
 def fit_grid(
     x: Any, y: Any, z: Any, slopes: Any, weights: Sequence[Any], keywords: dict[str, Any] | None
 ) -> FitCore: ...
+def adaptive_surface(document: bytes) -> Surface: ...
 def time_fit(
     x: Any, y: Any, z: Any, normals: Any, keywords: dict[str, Any] | None, times: int
 ) -> list[float]: ...

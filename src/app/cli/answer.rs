@@ -5,15 +5,19 @@ use crate::report::{Answer, Description, Seconds, Subject, describe_fit};
 use palpate_fitting::fit::FitOptions;
 use palpate_inference::recognition::RecognitionOptions;
 
+use super::adaptive_model::{TypedForAdaptive, adaptive_model};
 use super::explicit_model::{counting_other_kinds, fit_input, with_own_axes_where_steep};
 use super::failure::fit_message;
+use super::found::{Found, Refusal};
 use super::options::FitFlags;
-use super::recognise_or_fit::{Found, Refusal, automatic};
+use super::recognise_or_fit::automatic;
 
 /// What is asked of an input.
 pub(super) struct Question<'a> {
     /// What was typed.
     pub(super) flags: &'a FitFlags,
+    /// An adaptive surface was asked for.
+    pub(super) adaptive: bool,
     /// What it is typed over.
     pub(super) base: FitOptions,
     /// Certificate, uncertainties and intervals are declined.
@@ -25,6 +29,10 @@ pub(super) struct Question<'a> {
 /// The answer, or why there is none.
 pub(super) fn answer(input: &Input, question: &Question) -> Result<Found, Refusal> {
     let mut fit = question.flags.over(question.base.clone());
+    if question.adaptive {
+        let typed = TypedForAdaptive { degree: question.flags.typed_degree(), grid: question.flags.typed_grid() };
+        return adaptive_model(input, typed, &fit, question.bare);
+    }
     if question.flags.names_a_model() {
         let notes = with_own_axes_where_steep(input, &mut fit).into_iter().collect();
         return Ok(Found { notes, ..as_named(input, &fit, question.bare)? });

@@ -110,6 +110,7 @@ impl Read {
             kind: match self.saved.surface {
                 AnySurface::Height(_) => "height".into(),
                 AnySurface::Parametric(..) => "parametric".into(),
+                AnySurface::Hierarchical(_) => "adaptive".into(),
             },
             uncertainty: self.saved.uncertainty.is_some(),
             recognised: self.recognised,
@@ -122,6 +123,7 @@ impl Read {
         let surface = match &saved.surface {
             AnySurface::Height(field) => ComparedSurface::Height(field, &saved.frame),
             AnySurface::Parametric(map, _) => ComparedSurface::Space(map),
+            AnySurface::Hierarchical(field) => ComparedSurface::Height(&**field, &saved.frame),
         };
         let supported = |place: [f64; 2]| saved.supports(place);
         let uncertainty = |place: [f64; 2]| -> Quantities {

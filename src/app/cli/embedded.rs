@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use clap::Parser;
 
-use crate::io::{Input, StudyFile, scene_file::builtin_scenes, study_bytes};
+use crate::io::{AnySurface, Input, StudyFile, read_surface_bytes, scene_file::builtin_scenes, study_bytes, tensor};
 use crate::report::{
     Answer, Audience, Description, PartsDocument, Seconds, Subject, compute_shape, describe_fit, write_json,
     write_words,
@@ -23,19 +23,23 @@ use crate::report::{
 use palpate_fitting::fit::{Fit, FitError, FitOptions};
 use palpate_fitting::parametric::{FittedSurface, ParametricFit};
 use palpate_geometry::contact::Contacts;
+use palpate_geometry::shape::{ShapeMaps, ShapeReport};
+use palpate_geometry::surface::HeightField;
 use palpate_inference::parts::{Parts, PartsOptions};
 use palpate_inference::recognition::Recognition;
 use palpate_studies::explore::planning_fit;
 use palpate_studies::montecarlo::{Progress, Stopped, StudyState};
 
+use super::adaptive_model::{TypedForAdaptive, adaptive_model};
 use super::answer::recognition_of;
 use super::explicit_model::fit_input;
 use super::explore::{ExploreArgs, explore_in_memory};
 use super::failure::Failure;
+use super::found::{Found, Refusal};
 use super::frontier::is_scene;
 use super::frontier_args::FrontierArgs;
 use super::merge::join;
-use super::recognise_or_fit::{Found, Refusal, automatic};
+use super::recognise_or_fit::automatic;
 use super::scene::{self, Source};
 use super::study_plan::{Plan, StudyArgs};
 use super::until::Until;
@@ -59,6 +63,22 @@ impl From<Refusal> for FitRefusal {
     }
 }
 
+/// Which surface is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AskedSurface {
+    /// What the contacts show.
+    Recognised,
+    /// The spline that the options name.
+    Spline,
+    /// Small cells where the contacts ask for them; degrees and grid points where they were named.
+    Adaptive {
+        /// Degrees in x and y.
+        degree: Option<[usize; 2]>,
+        /// Points of the shape grid.
+        grid: Option<[usize; 2]>,
+    },
+}
+
 /// The answer to an input, with the input.
 #[derive(Debug)]
 pub struct FitAnswer {
@@ -71,26 +91,32 @@ pub struct FitAnswer {
 }
 
 impl FitAnswer {
-    /// Does what `palpate fit` does: the model of the options where `named`, else what the contacts show.
+    /// Does what `palpate fit` does: the surface that is asked for, by the options.
     ///
     /// # Errors
     /// Both kinds of [`FitRefusal`].
     pub fn new(
         input: Input,
-        named: bool,
+        asked: AskedSurface,
         options: &FitOptions,
         viewpoint: Option<[f64; 3]>,
         bare: bool,
     ) -> Result<FitAnswer, FitRefusal> {
         let clock = Instant::now();
-        let found = if named {
-            let (found, chosen) = fit_input(&input, options).map_err(FitRefusal::Fit)?;
-            Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() }
-        } else {
-            options.check().map_err(FitRefusal::Fit)?;
-            automatic(&input, &recognition_of(options, viewpoint), options)?
+        let found = match asked {
+            AskedSurface::Spline => {
+                let (found, chosen) = fit_input(&input, options).map_err(FitRefusal::Fit)?;
+                Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() }
+            }
+            AskedSurface::Adaptive { degree, grid } => {
+                adaptive_model(&input, TypedForAdaptive { degree, grid }, options, bare)?
+            }
+            AskedSurface::Recognised => {
+                options.check().map_err(FitRefusal::Fit)?;
+                automatic(&input, &recognition_of(options, viewpoint), options)?
+            }
         };
-        let uncertain = named && !bare;
+        let uncertain = asked == AskedSurface::Spline && !bare;
         Ok(FitAnswer { input, found, bare, uncertain, seconds: clock.elapsed().as_secs_f64() })
     }
 
@@ -108,6 +134,23 @@ impl FitAnswer {
             Answer::Fitted(FittedSurface::Parametric(fit)) => Some(fit),
             _ => None,
         }
+    }
+
+    /// The shape of an adaptive surface, where one was fitted.
+    pub fn adaptive_shape(&self) -> Option<&ShapeReport<ShapeMaps>> {
+        match &self.found.answer {
+            Answer::Adaptive(answer) => Some(&answer.shape),
+            _ => None,
+        }
+    }
+
+    /// The tensor spline of an adaptive surface's smallest cells, where one was fitted.
+    ///
+    /// # Errors
+    /// Why it has none: it would be too large.
+    pub fn adaptive_spline(&self) -> Option<Result<HeightField, String>> {
+        let Answer::Adaptive(answer) = &self.found.answer else { return None };
+        Some(answer.fit.input_field().map_err(|error| error.to_string()).and_then(|field| tensor(&field)))
     }
 
     /// The fit by which touches are planned: the fitted height field, or, of contacts that were recognised, one with the
@@ -140,6 +183,7 @@ impl FitAnswer {
                 };
                 Some(places.map(off).collect())
             }
+            Answer::Adaptive(answer) => Some(places.map(|[x, y, z]| z - answer.fit.at(x, y).z).collect()),
             Answer::Fitted(FittedSurface::Parametric(_)) => None,
         })
     }
@@ -148,7 +192,7 @@ impl FitAnswer {
     pub fn recognition(&self) -> Option<&Recognition> {
         match &self.found.answer {
             Answer::Recognised(found) => Some(found),
-            Answer::Fitted(_) => None,
+            Answer::Adaptive(_) | Answer::Fitted(_) => None,
         }
     }
 
@@ -202,6 +246,17 @@ impl FitAnswer {
             lack_of_fit: self.found.lack_of_fit.clone(),
         };
         Ok(of(&describe_fit(answer, &subject, seconds)?))
+    }
+}
+
+/// The tensor spline of the smallest cells of an adaptive surface, from its document.
+///
+/// # Errors
+/// What is wrong with the document, and why there is no spline.
+pub fn adaptive_spline_of(document: &[u8]) -> Result<HeightField, String> {
+    match read_surface_bytes("document", document).map_err(|error| error.to_string())?.surface {
+        AnySurface::Hierarchical(field) => tensor(&field),
+        _ => Err("the document is not that of an adaptive surface".into()),
     }
 }
 

@@ -20,12 +20,13 @@ use palpate_world::scene::World;
 
 use super::answer::{as_named, described};
 use super::failure::Failure;
+use super::found::{Found, Refusal};
 use super::interrupt;
 use super::options::{FitFlags, OutputFlags, PictureFlags};
 use super::output::{columns, print};
 use super::progress::Bar;
 use super::provenance::provenance;
-use super::recognise_or_fit::{Found, Refusal, automatic};
+use super::recognise_or_fit::automatic;
 use super::scene;
 use super::until::{Until, held};
 use super::values;

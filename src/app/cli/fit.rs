@@ -10,16 +10,17 @@ use crate::report::{Answer, ChosenPart, FitDocument, LackOfFitPart, Subject};
 use palpate_fitting::fit::{FitError, FitOptions};
 use palpate_geometry::contact::ContactError;
 
+use super::adaptive_model::AdaptiveFlags;
 use super::answer::{Question, answer};
 use super::batch;
 use super::describe::{Destination, Taken, describe, document_of};
 use super::failure::{Failure, fit_message};
+use super::found::{Found, Refusal};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::output::Spinner;
 use super::preparation::PreparationFlags;
 use super::provenance::provenance;
 use super::reading::{ReadFlags, seen_from};
-use super::recognise_or_fit::{Found, Refusal};
 use super::save::check_name;
 use super::things::{TellThings, Things};
 
@@ -54,6 +55,8 @@ pub(super) struct FitArgs {
     #[command(flatten)]
     reading: ReadFlags,
     #[command(flatten)]
+    adaptive: AdaptiveFlags,
+    #[command(flatten)]
     fit: FitFlags,
     #[command(flatten)]
     words: WordsFlags,
@@ -62,10 +65,14 @@ pub(super) struct FitArgs {
 }
 
 impl FitArgs {
+    fn names_a_model(&self) -> bool {
+        self.adaptive.adaptive || self.fit.names_a_model()
+    }
+
     /// How the file is read. A model that was named takes the normals as they are; a recognition leaves out those of
     /// length zero and counts them. Normals that are not used may be anything.
     fn read_options(&self) -> ReadOptions {
-        let keep_zero_normals = !self.fit.names_a_model() || self.preparation.needs_no_normals();
+        let keep_zero_normals = !self.names_a_model() || self.preparation.needs_no_normals();
         ReadOptions { keep_zero_normals, ..self.reading.options(self.skip_invalid) }
     }
 }
@@ -196,13 +203,14 @@ impl One {
 
 /// The model that was named, or what the contacts show where none was.
 fn answer_to(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
-    let (named, viewpoint) = (args.fit.names_a_model(), args.preparation.viewpoint);
+    let (named, viewpoint) = (args.names_a_model(), args.preparation.viewpoint);
     if named && viewpoint.is_some() && !args.preparation.estimates_normals() {
         let what = "a viewpoint changes nothing for a model that is named by options: --flip-normals reverses normals";
         return Err(Refusal::Shape(what.into()));
     }
     let viewpoint = viewpoint.or(seen_from(reading));
-    let question = Question { flags: &args.fit, base: FitOptions::default(), bare: args.bare, viewpoint };
+    let adaptive = args.adaptive.adaptive;
+    let question = Question { flags: &args.fit, adaptive, base: FitOptions::default(), bare: args.bare, viewpoint };
     answer(&reading.input, &question)
 }
 

@@ -7,6 +7,7 @@
 //!
 //! Exit 0 done, 2 bad usage or bad input, 130 on Ctrl-C, 1 anything else; a closed pipe ends quietly.
 
+mod adaptive_model;
 mod answer;
 mod batch;
 mod completions;
@@ -22,6 +23,7 @@ mod explicit_model;
 mod explore;
 mod failure;
 mod fit;
+mod found;
 mod frontier;
 mod frontier_args;
 mod frontier_counts;
@@ -34,6 +36,7 @@ mod help;
 mod interrupt;
 mod library;
 mod live;
+mod local_detail;
 mod merge;
 mod options;
 mod output;

@@ -103,6 +103,11 @@ impl FitFlags {
             || self.smooth.is_some()
     }
 
+    /// Degrees, where they were typed.
+    pub(super) fn typed_degree(&self) -> Option<[usize; 2]> {
+        self.degree
+    }
+
     /// Axes of the patch's own were asked for.
     pub(super) fn asks_own_axes(&self) -> bool {
         self.frame == Some(FrameChoice::Auto)

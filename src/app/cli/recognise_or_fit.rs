@@ -10,6 +10,8 @@
 //! a body of no simple form       an error that says what can be done
 //! ```
 
+use std::borrow::Cow;
+
 use crate::io::Input;
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
 use palpate_fitting::fit::{Fit, FitError, FitOptions, Robust};
@@ -19,8 +21,10 @@ use palpate_inference::recognition::{
     FieldRequest, Flexible, Recognition, RecognitionError, RecognitionOptions, Shown, shown,
 };
 
+use super::adaptive_model::{GRID, adaptive_found};
 use super::explicit_model::fit_input;
-use super::failure::fit_message;
+use super::found::{Found, Refusal};
+use super::local_detail::local_detail;
 use super::viewpoint::sees_from_below;
 use super::zero_weights::with_heights;
 
@@ -49,35 +53,6 @@ const UPWARD: &str = "the sign of S takes +z for the free side: name a viewpoint
 /// Note where the contacts are places and directions alone.
 const DIRECTIONS: &str = "the input has no heights (a column z), so that the shape is told from the directions alone, by a \
      height field of degree 2";
-
-/// The answer to an input, with what is said beside it.
-#[derive(Debug)]
-pub(super) struct Found {
-    pub(super) answer: Answer,
-    pub(super) chosen: Option<ChosenPart>,
-    pub(super) lack_of_fit: Option<LackOfFitPart>,
-    pub(super) notes: Vec<String>,
-}
-
-/// Why there is no answer.
-pub(super) enum Refusal {
-    /// A fit refused; the message may want a line of the file.
-    Fit(FitError),
-    /// The recognition refused.
-    Shape(String),
-    /// It found several things, which have no one shape.
-    Several(String),
-}
-
-impl Refusal {
-    /// The reason, where no line of a file belongs to it.
-    pub(super) fn words(self) -> String {
-        match self {
-            Refusal::Fit(error) => fit_message(&error),
-            Refusal::Shape(message) | Refusal::Several(message) => message,
-        }
-    }
-}
 
 /// Where the viewpoint is on the other side than the one that a height field takes for the free one.
 const OTHER_SIDE: &str = "the viewpoint is on the lower side of the height field that these contacts are fitted by, and S would have the \
@@ -142,7 +117,10 @@ fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> 
                 Shown::Simple(found) => simple(found),
                 Shown::Flexible(field, simple) => flexible_field(*field, simple.as_deref()),
             };
-            let flexible = matches!(found.answer, Answer::Fitted(_));
+            if let Some(detailed) = with_local_detail(input, &found.answer, options, fit) {
+                found = detailed;
+            }
+            let flexible = matches!(found.answer, Answer::Fitted(_) | Answer::Adaptive(_));
             found.notes.extend((flexible && without_side(input, options)).then(|| UPWARD.to_string()));
             found.notes.extend(all_downward(input).then(|| DOWNWARD.to_string()));
             Ok(found)
@@ -163,6 +141,32 @@ fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> 
         Err(error @ RecognitionError::SeveralThings { .. }) => Err(Refusal::Several(format!("{error}. {APART}"))),
         Err(error) => Err(Refusal::Shape(error.to_string())),
     }
+}
+
+/// Note beside an adaptive surface that nobody named.
+const DETAILED: &str = "the contacts show features far smaller than the whole, and the surface follows them; --degree 3 --segments 8 \
+     fits one smooth over them";
+
+/// An adaptive surface in the place of a smooth one, where the contacts show small features beside it.
+fn with_local_detail(
+    input: &Input,
+    smooth: &Answer,
+    options: &RecognitionOptions,
+    request: &FitOptions,
+) -> Option<Found> {
+    let contacts = match input {
+        Input::Contacts(contacts) => Cow::Borrowed(contacts),
+        Input::Grid(grid) => Cow::Owned(grid.to_contacts()),
+    };
+    // a height field is seen from above
+    if options.viewpoint.is_some_and(|eye| sees_from_below(&contacts, eye)) {
+        return None;
+    }
+    let fit = local_detail(&contacts, smooth, request)?;
+    let untyped = request.grid == FitOptions::default().grid;
+    let points = if untyped { GRID } else { request.grid };
+    let found = adaptive_found(fit, &contacts, request, points);
+    Some(Found { notes: vec![DETAILED.into()], ..found })
 }
 
 fn without_side(input: &Input, options: &RecognitionOptions) -> bool {

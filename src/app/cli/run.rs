@@ -12,12 +12,13 @@ use crate::report::{Subject, inverse_crime_remark};
 use palpate_fitting::fit::FitOptions;
 use palpate_world::scene::surface::Body;
 
+use super::adaptive_model::AdaptiveFlags;
 use super::answer::{Question, answer, as_named};
 use super::describe::{Destination, Taken, describe};
 use super::failure::{Failure, fit_message};
+use super::found::{Found, Refusal};
 use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::provenance::provenance;
-use super::recognise_or_fit::{Found, Refusal};
 use super::save::check_name;
 use super::scene;
 
@@ -35,6 +36,8 @@ pub(super) struct RunArgs {
     /// Leave out certificate, uncertainties and intervals, which can take longer than the fit; for a named model
     #[arg(long, hide_short_help = true)]
     bare: bool,
+    #[command(flatten)]
+    adaptive: AdaptiveFlags,
     #[command(flatten)]
     fit: FitFlags,
     #[command(flatten)]
@@ -100,12 +103,13 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
 
 /// The model that the scene names, with what was typed over it; without one what `fit` finds in the same contacts.
 fn found_in(input: &Input, scene: &SceneFile, args: &RunArgs) -> Result<Found, Refusal> {
-    if scene.names_a_model {
+    if scene.names_a_model && !args.adaptive.adaptive {
         return as_named(input, &args.fit.over(scene.fit.clone()), args.bare);
     }
     // weights are of the scene's own model alone
     let base = FitOptions { objective: FitOptions::default().objective, ..scene.fit.clone() };
-    answer(input, &Question { flags: &args.fit, base, bare: args.bare, viewpoint: None })
+    let adaptive = args.adaptive.adaptive;
+    answer(input, &Question { flags: &args.fit, adaptive, base, bare: args.bare, viewpoint: None })
 }
 
 /// What to do with a body of several faces, which one patch rounds off; after `join`. Nothing for other surfaces.

@@ -1,7 +1,7 @@
 //! One of two surfaces that are compared: where it is, where contacts support it, what its uncertainty is.
 
 use palpate_geometry::contact::Frame;
-use palpate_geometry::surface::{AlongAxes, HeightField, Jet, Parametric, Surface};
+use palpate_geometry::surface::{AlongAxes, Heights, Jet, Parametric, Surface};
 use palpate_numeric::bspline::linspace;
 
 use super::Quantities;
@@ -16,7 +16,7 @@ const SAME_AXES: f64 = 1e-12;
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum ComparedSurface<'a> {
     /// Along the frame's axes.
-    Height(&'a HeightField, &'a Frame),
+    Height(&'a dyn Heights, &'a Frame),
     /// A map into space.
     Space(&'a Parametric),
 }

@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use palpate_geometry::surface::HeightField;
+use palpate_geometry::surface::Heights;
 use palpate_world::scene::surface::ImportedSurface;
 
 use super::{AnySurface, read_surface};
@@ -15,7 +15,7 @@ use super::{AnySurface, read_surface};
 #[derive(Debug)]
 struct SavedHeights {
     label: String,
-    surface: HeightField,
+    surface: Box<dyn Heights + Send + Sync>,
 }
 
 impl ImportedSurface for SavedHeights {
@@ -24,12 +24,12 @@ impl ImportedSurface for SavedHeights {
     }
 
     fn jet(&self, x: f64, y: f64) -> Option<[f64; 6]> {
-        let [[x0, x1], [y0, y1]] = [0, 1].map(|axis| self.surface.knots()[axis].domain());
+        let [[x0, x1], [y0, y1]] = self.surface.domain();
         // the end polynomials go on outside, where no contact ever was
         if !((x0..=x1).contains(&x) && (y0..=y1).contains(&y)) {
             return None;
         }
-        let at = self.surface.at(x, y);
+        let at = self.surface.height_at(x, y);
         Some([at.z, at.zx, at.zy, at.zxx, at.zxy, at.zyy])
     }
 }
@@ -59,11 +59,13 @@ pub(crate) fn import_surface(scene_folder: &Path, file: &str) -> Result<Arc<dyn 
             saved.unsupported.len()
         ));
     }
-    match saved.surface {
-        AnySurface::Height(surface) => Ok(Arc::new(SavedHeights { label: file.to_string(), surface })),
-        _ => Err(
-            "a parametric surface has not one height over each x and y; save a fit whose surface is of the kind height"
-                .into(),
-        ),
-    }
+    let surface: Box<dyn Heights + Send + Sync> = match saved.surface {
+        AnySurface::Height(surface) => Box::new(surface),
+        AnySurface::Hierarchical(surface) => surface,
+        AnySurface::Parametric(..) => {
+            let what = "a parametric surface has not one height over each x and y; save a fit whose surface is of the kind height";
+            return Err(what.into());
+        }
+    };
+    Ok(Arc::new(SavedHeights { label: file.to_string(), surface }))
 }

@@ -6,12 +6,17 @@
 //! space has three numbers a coefficient, input units, and u, v are lengths of the input; its knots are SciPy's too, those
 //! of a closed direction going on beyond both ends.
 
+use std::sync::Arc;
+
 use ndarray::Array2;
 use serde::{Deserialize, Serialize};
 
 use palpate_geometry::contact::Frame;
 use palpate_geometry::shape::{ShapeGrid, UvSupport};
-use palpate_geometry::surface::{HeightField, Parametric};
+use palpate_geometry::surface::{HeightField, Parametric, Surface};
+use palpate_hierarchical::field::HierarchicalField;
+use palpate_hierarchical::mesh::{CellId, Mesh};
+use palpate_hierarchical::space::HierarchicalSpace;
 use palpate_numeric::bspline::Knots;
 
 use super::IoError;
@@ -33,13 +38,13 @@ pub(crate) struct SavedFrame {
 /// `surface` of the document.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SavedSurface {
-    /// `height`: z over x, y; `parametric`: Q over u, v.
+    /// `height`: z over x, y; `parametric`: Q over u, v; `adaptive`: z over x, y with knots where the contacts asked for them.
     pub kind: String,
     /// Degrees in x and y.
     pub degree: [usize; 2],
     /// Full knot vectors, clamped in open directions.
     pub knots: [Vec<f64>; 2],
-    /// `coefficients[i][j]` of `N_i(x) M_j(y)`.
+    /// `coefficients[i][j]` of `N_i(x) M_j(y)`; of an adaptive surface one list, by level and then as in the level's spline.
     pub coefficients: Vec<Vec<Coefficient>>,
     /// Directions that close (`parametric`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -50,6 +55,10 @@ pub(crate) struct SavedSurface {
     /// Where contacts support a height field, where they do not support all of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) support_map: Option<SupportMap>,
+    /// Cells `[level, i, j]` that are split into four (`adaptive`); `knots` are those of level 0, and every level halves their
+    /// segments.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) splits: Option<Vec<[u32; 3]>>,
     /// Coefficients (number `i m + j`) that no data hold; where they matter, S and R are masked.
     #[serde(default)]
     pub unsupported: Vec<usize>,
@@ -72,6 +81,8 @@ pub enum AnySurface {
     Height(HeightField),
     /// Input units, with the part of (u, v) that contacts reach.
     Parametric(Parametric, UvSupport),
+    /// Input units, over the input's x and y.
+    Hierarchical(Box<HierarchicalField>),
 }
 
 /// The part of a document that a surface is made from; what else stands in it is left alone.
@@ -123,6 +134,7 @@ impl SavedSurface {
             closed: None,
             support: None,
             support_map: None,
+            splits: None,
             unsupported: unsupported.to_vec(),
         }
     }
@@ -138,6 +150,25 @@ impl SavedSurface {
             closed: Some([u.is_closed(), v.is_closed()]),
             support: Some(support.triangles().to_vec()),
             support_map: None,
+            splits: None,
+            unsupported: Vec::new(),
+        }
+    }
+
+    /// As it is written.
+    pub(crate) fn of_hierarchical(surface: &HierarchicalField) -> SavedSurface {
+        let mesh = surface.space().mesh();
+        let knots = mesh.levels().at(0).map(|level| level.knots());
+        let split = |cell: CellId| [u32::from(cell.level), cell.place[0], cell.place[1]];
+        SavedSurface {
+            kind: "adaptive".into(),
+            degree: knots.map(Knots::degree),
+            knots: knots.map(|axis| axis.as_slice().to_vec()),
+            coefficients: vec![surface.coefficients().iter().map(|c| Coefficient::Height(*c)).collect()],
+            closed: None,
+            support: None,
+            support_map: None,
+            splits: Some(mesh.splits().map(split).collect()),
             unsupported: Vec::new(),
         }
     }
@@ -146,7 +177,10 @@ impl SavedSurface {
         match self.kind.as_str() {
             "height" => self.height_field().map(AnySurface::Height),
             "parametric" => self.parametric(),
-            other => Err(format!("surface.kind is {other:?}; this version reads \"height\" and \"parametric\"")),
+            "adaptive" => self.hierarchical().map(|field| AnySurface::Hierarchical(Box::new(field))),
+            other => Err(format!(
+                "surface.kind is {other:?}; this version reads \"height\", \"parametric\" and \"adaptive\""
+            )),
         }
     }
 
@@ -175,6 +209,21 @@ impl SavedSurface {
         })?;
         let surface = Parametric::new(knots, coefficients).map_err(|e| e.to_string())?;
         Ok(AnySurface::Parametric(surface, UvSupport::new(triangles, period)))
+    }
+
+    fn hierarchical(self) -> Result<HierarchicalField, String> {
+        let cell = |[level, i, j]: &[u32; 3]| {
+            let level = u8::try_from(*level).map_err(|_| format!("surface.splits has a cell of level {level}"))?;
+            Ok(CellId { level, place: [*i, *j] })
+        };
+        let splits: Result<Vec<CellId>, String> = self.splits.iter().flatten().map(cell).collect();
+        let mesh = Mesh::of_splits(self.read_knots([false; 2])?, splits?).map_err(|e| e.to_string())?;
+        let coefficients = self.array(|c| match c {
+            Coefficient::Height(z) => Some(z),
+            Coefficient::Space(_) => None,
+        })?;
+        let space = Arc::new(HierarchicalSpace::new(mesh));
+        HierarchicalField::new(space, coefficients.into_iter().collect()).map_err(|e| e.to_string())
     }
 
     fn read_knots(&self, closed: [bool; 2]) -> Result<[Knots; 2], String> {
@@ -235,6 +284,7 @@ impl Saved {
         let count = match &surface {
             AnySurface::Height(field) => field.coefficients().len(),
             AnySurface::Parametric(map, _) => map.coefficients().len(),
+            AnySurface::Hierarchical(field) => field.coefficients().len(),
         };
         match unsupported.iter().find(|u| **u >= count) {
             Some(u) => Err(format!("surface.unsupported names coefficient {u} of {count}")),
@@ -247,15 +297,14 @@ impl Saved {
     /// Whether contacts support a place of the surface's own domain, and data every coefficient that it depends on.
     pub(crate) fn supports(&self, place: [f64; 2]) -> bool {
         let [u, v] = place;
+        let holds = |domain: [[f64; 2]; 2]| {
+            let within = (0..2).all(|k| (domain[k][0]..=domain[k][1]).contains(&place[k]));
+            within && self.support_map.as_ref().is_none_or(|map| map.holds(domain, place))
+        };
         match &self.surface {
-            AnySurface::Height(field) => {
-                let domain = [0, 1].map(|k| field.knots()[k].domain());
-                let within = (0..2).all(|k| (domain[k][0]..=domain[k][1]).contains(&place[k]));
-                within
-                    && self.is_determined(field, u, v)
-                    && self.support_map.as_ref().is_none_or(|m| m.holds(domain, place))
-            }
+            AnySurface::Height(field) => holds(field.domain()) && self.is_determined(field, u, v),
             AnySurface::Parametric(_, support) => support.holds(u, v),
+            AnySurface::Hierarchical(field) => holds(field.domain()),
         }
     }
 

@@ -23,6 +23,7 @@ pub(crate) fn document_of_surface(saved: &Saved) -> FitDocument {
             chosen: None,
             lack_of_fit: None,
             parametric: None,
+            adaptive: None,
             sigma: None,
             method: "none".into(),
             reason: UNKNOWN.into(),

@@ -19,7 +19,7 @@ use palpate_world::scene::Truth;
 
 use super::describe::{height, recognised};
 use super::document::{FitDocument, MeasurePart};
-use super::height_view::height_view;
+use super::height_view::{adaptive_view, height_view};
 use super::maps::{arrays_of, points_of, write_maps_csv, write_maps_npz};
 use super::parametric::write_parametric_maps_csv;
 use super::parametric_view::{contacts_on_feet, parametric_view};
@@ -87,6 +87,7 @@ impl Description<'_> {
                     let map = SupportMap::of(self.surface.map().domain(), fit.supported());
                     (map, sds.into_iter().flatten().map(Some).collect())
                 }
+                Source::Adaptive { answer, .. } => return answer.pointwise(&shape),
                 Source::Parametric { fit, bare, .. } => {
                     (None, if bare { None } else { fit.pointwise(UNCERTAINTY_POINTS) }.unwrap_or_default())
                 }
@@ -96,7 +97,7 @@ impl Description<'_> {
                     recognised::support_and_sds(found, &self.surface, input)
                 }
             };
-            (support_map, uncertainty::map(self.surface.knots(), &sds, &shape))
+            (support_map, uncertainty::map(uncertainty::places(self.surface.knots()), &sds, &shape))
         })
     }
 
@@ -106,6 +107,7 @@ impl Description<'_> {
             Source::Saved(maps) => maps.borrowed(),
             Source::Height { fit, bare: true, .. } => Maps::Height(Cow::Borrowed(&fit.bare_shape().maps)),
             Source::Height { fit, .. } => Maps::Height(Cow::Borrowed(&fit.shape().maps)),
+            Source::Adaptive { answer, .. } => Maps::Height(Cow::Borrowed(&answer.shape.maps)),
             Source::Parametric { fit, .. } => Maps::Parametric(Cow::Borrowed(&fit.shape().maps)),
             Source::Recognised { found, .. } => recognised::maps(found, &self.surface, self.grid),
         }
@@ -119,8 +121,10 @@ impl Description<'_> {
 
     /// Maps over the whole domain at so many points each way.
     fn maps_over(&self, points: [usize; 2]) -> Maps<'_> {
-        if let Source::Recognised { found, .. } = self.source {
-            return recognised::maps(found, &self.surface, points);
+        match self.source {
+            Source::Recognised { found, .. } => return recognised::maps(found, &self.surface, points),
+            Source::Adaptive { answer, .. } => return Maps::Height(Cow::Owned(answer.maps_over(points))),
+            _ => {}
         }
         let mut maps = Maps::over(&self.surface, ShownGrid { points, inset: 0.0, again: false }, &self.unsupported);
         if let (Maps::Height(maps), Source::Height { fit, input, .. }) = (&mut maps, &self.source) {
@@ -165,11 +169,18 @@ impl Description<'_> {
 
     /// Standard uncertainties at the supported points of the maps.
     fn uncertainty_over(&self, maps: &Maps) -> Array2<PointUncertainty> {
-        let known = self.saved_uncertainty();
         let flat = maps.flat();
-        Array2::from_shape_fn(flat.supported.dim(), |(i, j)| match known {
-            Some(known) if flat.supported[[i, j]] => known.at([flat.grid.x[i], flat.grid.y[j]]).rounded(),
-            _ => PointUncertainty::default(),
+        let saved = match self.source {
+            Source::Adaptive { .. } => None,
+            _ => self.saved_uncertainty(),
+        };
+        let at = |place: [f64; 2]| match self.source {
+            Source::Adaptive { answer, .. } => answer.uncertainty_at(place),
+            _ => saved.map_or(PointUncertainty::default(), |known| known.at(place)),
+        };
+        Array2::from_shape_fn(flat.supported.dim(), |(i, j)| match flat.supported[[i, j]] {
+            true => at([flat.grid.x[i], flat.grid.y[j]]).rounded(),
+            false => PointUncertainty::default(),
         })
     }
 
@@ -187,6 +198,13 @@ impl Description<'_> {
         };
         let mut view = match (&maps, &*self.surface) {
             (Maps::Height(maps), AnySurface::Height(surface)) => height_view(surface, &self.frame, maps, fitted),
+            (Maps::Height(maps), AnySurface::Hierarchical(surface)) => {
+                let fitted = match self.source {
+                    Source::Adaptive { answer, input } => Some((answer, input)),
+                    _ => None,
+                };
+                adaptive_view(surface, maps, self.saved_uncertainty(), fitted)
+            }
             (Maps::Parametric(maps), AnySurface::Parametric(surface, _)) => parametric_view(surface, maps),
             // maps are of their surface's kind
             _ => SurfaceView::default(),

@@ -56,6 +56,9 @@ pub(crate) struct FitPart {
     /// Certificate of a parametric surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) parametric: Option<ParametricPart>,
+    /// Where the knots of an adaptive surface are, and how they came there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) adaptive: Option<AdaptivePart>,
     /// Standard deviations of the noise, declared or estimated.
     pub(crate) sigma: Option<SigmaPart>,
     /// Method that gave the answer.
@@ -188,6 +191,23 @@ pub(crate) struct ParametricPart {
     pub(crate) fairness_raised: usize,
     /// Directions that close.
     pub(crate) closed: [bool; 2],
+}
+
+/// Where the knots of an adaptive surface are, and how they came there.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct AdaptivePart {
+    /// Cells of the surface.
+    pub(crate) cells: usize,
+    /// How often the smallest cell's side is a half of a base cell's.
+    pub(crate) halvings: usize,
+    /// Rounds of fitting and splitting, the last of which split nothing or was the last allowed.
+    pub(crate) rounds: usize,
+    /// Contacts that lie off what is around them and were left out.
+    pub(crate) left_out: usize,
+    /// Degrees of freedom that the surface took of the contacts; `null` with `--bare`.
+    pub(crate) freedom: Option<f64>,
+    /// Numbers in the factor of the equations.
+    pub(crate) factor_entries: usize,
 }
 
 /// Standard deviations of the noise.

@@ -8,6 +8,7 @@
 //! a saved surface at points   ->  PointTable         points_at
 //! ```
 
+mod adaptive_answer;
 mod bare_surface;
 mod body_graph;
 mod charts;
@@ -71,6 +72,7 @@ mod truth_part;
 mod uncertainty;
 mod words;
 
+pub(crate) use adaptive_answer::AdaptiveAnswer;
 pub(crate) use bare_surface::document_of_surface;
 pub(crate) use body_graph::{write_dot, write_graphml};
 pub(crate) use charts::KINDS;

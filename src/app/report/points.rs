@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::io::Points;
 use palpate_geometry::contact::Frame;
-use palpate_geometry::surface::HeightField;
+use palpate_geometry::surface::Heights;
 
 use super::json::write_json;
 use super::point_table::PointTable;
@@ -50,7 +50,7 @@ pub(super) struct HeightPoints {
 }
 
 impl HeightPoints {
-    pub(super) fn of(surface: &HeightField, frame: &Frame, places: &Points) -> HeightPoints {
+    pub(super) fn of(surface: &dyn Heights, frame: &Frame, places: &Points) -> HeightPoints {
         let points = places.x.iter().zip(&places.y).map(|(x, y)| point(surface, frame, *x, *y)).collect();
         HeightPoints { schema: "palpate.points/1", axes: frame.axes, points }
     }
@@ -66,11 +66,11 @@ impl PointTable for HeightPoints {
     }
 }
 
-fn point(surface: &HeightField, frame: &Frame, x: f64, y: f64) -> PointShape {
-    let here = surface.at(x, y);
+fn point(surface: &dyn Heights, frame: &Frame, x: f64, y: f64) -> PointShape {
+    let here = surface.height_at(x, y);
     let principal = here.derivatives().principal();
     let within = |k: usize, v: f64| {
-        let [lo, hi] = surface.knots()[k].domain();
+        let [lo, hi] = surface.domain()[k];
         (lo..=hi).contains(&v)
     };
     let normal = here.normal();

@@ -21,10 +21,11 @@ use palpate_geometry::curvature::ShapeClass;
 
 /// JSON Schema (draft 2020-12) of `palpate.fit/1`.
 pub fn fit_schema() -> Value {
-    let samples: Vec<Value> = [full(), bare(), emptied(), in_space(), without_labels()]
-        .iter()
-        .filter_map(|d| serde_json::to_value(d).ok())
-        .collect();
+    let samples: Vec<Value> =
+        [full(), bare(), emptied(), in_space(), without_labels(), in_cells(Some(0.5)), in_cells(None)]
+            .iter()
+            .filter_map(|d| serde_json::to_value(d).ok())
+            .collect();
     let mut schema = merged(&samples.iter().collect::<Vec<_>>());
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema".into();
     schema["title"] = FIT_SCHEMA.into();
@@ -211,6 +212,7 @@ pub(super) fn full() -> FitDocument {
             }),
             lack_of_fit: Some(LackOfFitPart { p: Some(0.5), percent_of_relief: Some(0.5), words: "no pattern".into() }),
             parametric: None,
+            adaptive: None,
             sigma: Some(SigmaPart {
                 z: Some(0.5),
                 normal_deg: Some(0.5),
@@ -282,6 +284,7 @@ pub(super) fn full() -> FitDocument {
             closed: None,
             support: None,
             support_map: Some(SupportMap::of([[0.0, 1.0]; 2], |x, y| x < y)).flatten(),
+            splits: None,
             unsupported: vec![1],
         },
         uncertainty: Some(uncertainty()),
@@ -317,6 +320,17 @@ fn in_space() -> FitDocument {
     document.surface.coefficients = vec![vec![Coefficient::Space([0.5; 3])]];
     document.surface.closed = Some([false; 2]);
     document.surface.support = Some(vec![[[0.5; 2]; 3]]);
+    document
+}
+
+/// An adaptive surface.
+fn in_cells(freedom: Option<f64>) -> FitDocument {
+    let mut document = full();
+    document.fit.chosen = Some(ChosenPart::new("adaptive", "asked for".into()));
+    document.fit.adaptive =
+        Some(AdaptivePart { cells: 4, halvings: 1, rounds: 2, left_out: 1, freedom, factor_entries: 10 });
+    document.surface.kind = "adaptive".into();
+    document.surface.splits = Some(vec![[0; 3]]);
     document
 }
 

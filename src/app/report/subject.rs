@@ -5,6 +5,7 @@ use palpate_fitting::parametric::ParametricFit;
 use palpate_inference::recognition::Recognition;
 use palpate_world::scene::Truth;
 
+use super::adaptive_answer::AdaptiveAnswer;
 use super::document::{ChosenPart, LackOfFitPart};
 use super::surface_maps::Maps;
 use crate::io::Input;
@@ -17,6 +18,8 @@ pub(super) enum Source<'a> {
     Height { fit: &'a Fit, input: &'a Input, bare: bool },
     /// A parametric surface that was fitted.
     Parametric { fit: &'a ParametricFit, input: &'a Input, bare: bool },
+    /// A surface with knots where the contacts asked for them.
+    Adaptive { answer: &'a AdaptiveAnswer, input: &'a Input },
     /// A recognition; the surface is its spline.
     Recognised { found: &'a Recognition, input: &'a Input },
 }

@@ -36,6 +36,10 @@ impl<'a> Maps<'a> {
                 let grid = uv_grid(surface.knots().each_ref(), shown.points, shown.inset);
                 Maps::Parametric(Cow::Owned(parametric_maps(surface, grid, support)))
             }
+            AnySurface::Hierarchical(surface) => {
+                let grid = ShapeGrid::over(surface.domain(), shown.points, shown.inset);
+                Maps::Height(Cow::Owned(ShapeMaps::of_heights(&**surface, grid)))
+            }
         }
     }
 
@@ -62,14 +66,16 @@ impl AnySurface {
         match self {
             AnySurface::Height(surface) => surface,
             AnySurface::Parametric(surface, _) => surface,
+            AnySurface::Hierarchical(surface) => &**surface,
         }
     }
 
-    /// Knots in both directions.
-    pub(super) fn knots(&self) -> &[Knots; 2] {
+    /// Knots in both directions; of a hierarchy those of its base grid.
+    pub(super) fn knots(&self) -> [&Knots; 2] {
         match self {
-            AnySurface::Height(surface) => surface.knots(),
-            AnySurface::Parametric(surface, _) => surface.knots(),
+            AnySurface::Height(surface) => surface.knots().each_ref(),
+            AnySurface::Parametric(surface, _) => surface.knots().each_ref(),
+            AnySurface::Hierarchical(surface) => surface.space().mesh().levels().at(0).map(|level| level.knots()),
         }
     }
 
@@ -78,6 +84,7 @@ impl AnySurface {
         match self {
             AnySurface::Height(surface) => SavedSurface::of(surface, unsupported),
             AnySurface::Parametric(surface, support) => SavedSurface::of_parametric(surface, support),
+            AnySurface::Hierarchical(surface) => SavedSurface::of_hierarchical(surface),
         }
     }
 }

@@ -7,16 +7,16 @@ use palpate_numeric::bspline::{Knots, linspace};
 use super::document::ShapePart;
 
 /// The places at which they are known, along both directions.
-pub(super) fn places(knots: &[Knots; 2]) -> [Vec<f64>; 2] {
-    knots.each_ref().map(|axis| {
+pub(super) fn places(knots: [&Knots; 2]) -> [Vec<f64>; 2] {
+    knots.map(|axis| {
         let [lo, hi] = axis.domain();
         linspace(lo, hi, UNCERTAINTY_POINTS)
     })
 }
 
-/// The map of what is known at [`places`], with what the means say of the kind of surface added to every point: noise at a
+/// The map of what is known at these places, with what the means say of the kind of surface added to every point: noise at a
 /// point knows nothing of it. `None` where nothing is known anywhere.
-pub(super) fn map(knots: &[Knots; 2], sds: &[Option<PointSds>], shape: &ShapePart) -> Option<UncertaintyMap> {
+pub(super) fn map(at: [Vec<f64>; 2], sds: &[Option<PointSds>], shape: &ShapePart) -> Option<UncertaintyMap> {
     let model = [&shape.shape_index, &shape.curvedness].map(|part| part.u_model.unwrap_or(0.0));
     let flat = shape.shape_index.mean.is_none();
     let one = |sds: &Option<PointSds>| {
@@ -29,5 +29,5 @@ pub(super) fn map(knots: &[Knots; 2], sds: &[Option<PointSds>], shape: &ShapePar
         }
     };
     let values: Vec<PointUncertainty> = sds.iter().map(one).collect();
-    sds.iter().any(Option::is_some).then(|| UncertaintyMap::of(places(knots), &values))
+    sds.iter().any(Option::is_some).then(|| UncertaintyMap::of(at, &values))
 }

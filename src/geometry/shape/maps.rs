@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ndarray::Array2;
 
 use super::ShapeGrid;
-use crate::surface::{CurvatureGrid, HeightField, SurfacePoint};
+use crate::surface::{CurvatureGrid, HeightField, Heights, SurfacePoint};
 use palpate_numeric::bspline::BasisRow;
 
 /// Above this number of points the derivatives are computed row by row from one polynomial per segment. They equal those
@@ -105,41 +105,60 @@ impl ShapeMaps {
     }
 }
 
-impl HeightField {
-    /// Heights, curvatures, S and R: evaluates the surface and its shape over `grid`; `unsupported` lists coefficients (number `i m + j`) without data.
-    pub fn shape_maps(&self, grid: ShapeGrid, unsupported: &[usize]) -> ShapeMaps {
-        let size = (grid.x.len(), grid.y.len());
-        let rows = Arc::new(grid.rows(self.knots()));
-        let free = flags(self, unsupported);
+impl ShapeMaps {
+    /// Curvatures, S and R where height and derivatives are known; all of it supported by data.
+    pub fn of_points(grid: ShapeGrid, points: Array2<SurfacePoint>, rows: Arc<[Vec<BasisRow>; 2]>) -> ShapeMaps {
+        let size = points.dim();
         let mut maps = ShapeMaps {
-            points: Array2::default(size),
             k1: Array2::zeros(size),
             k2: Array2::zeros(size),
             shape_index: Array2::zeros(size),
             curvedness: Array2::zeros(size),
             supported: Array2::from_elem(size, true),
-            rows: rows.clone(),
+            points,
+            rows,
             grid,
         };
-        fill_points(self, &rows, &mut maps);
-        for i in 0..size.0 {
-            for j in 0..size.1 {
-                if let Some(p) = maps.points[[i, j]].derivatives().principal() {
-                    (maps.k1[[i, j]], maps.k2[[i, j]]) = (p.k1, p.k2);
-                    maps.shape_index[[i, j]] = p.shape_index().unwrap_or(f64::NAN);
-                    maps.curvedness[[i, j]] = p.curvedness();
-                }
-                if let Some(free) = &free {
-                    maps.supported[[i, j]] = is_supported(free, &rows[0][i], &rows[1][j]);
-                }
+        for (at, point) in maps.points.indexed_iter() {
+            if let Some(p) = point.derivatives().principal() {
+                (maps.k1[at], maps.k2[at]) = (p.k1, p.k2);
+                maps.shape_index[at] = p.shape_index().unwrap_or(f64::NAN);
+                maps.curvedness[at] = p.curvedness();
             }
+        }
+        maps
+    }
+
+    /// The same of any surface of heights, point by point.
+    pub fn of_heights(surface: &dyn Heights, grid: ShapeGrid) -> ShapeMaps {
+        let at = |(i, j): (usize, usize)| surface.height_at(grid.x[i], grid.y[j]);
+        let points = Array2::from_shape_fn((grid.x.len(), grid.y.len()), at);
+        ShapeMaps::of_points(grid, points, Arc::new([Vec::new(), Vec::new()]))
+    }
+}
+
+impl HeightField {
+    /// Heights, curvatures, S and R: evaluates the surface and its shape over `grid`; `unsupported` lists coefficients (number `i m + j`) without data.
+    pub fn shape_maps(&self, grid: ShapeGrid, unsupported: &[usize]) -> ShapeMaps {
+        let rows = Arc::new(grid.rows(self.knots()));
+        let mut points = Array2::default((grid.x.len(), grid.y.len()));
+        fill_points(self, &grid, &rows, &mut points);
+        let mut maps = ShapeMaps::of_points(grid, points, rows.clone());
+        if let Some(free) = flags(self, unsupported) {
+            let supported =
+                |((i, j), s): ((usize, usize), &mut bool)| *s = is_supported(&free, &rows[0][i], &rows[1][j]);
+            maps.supported.indexed_iter_mut().for_each(supported);
         }
         maps
     }
 }
 
-fn fill_points(surface: &HeightField, [along_x, along_y]: &[Vec<BasisRow>; 2], maps: &mut ShapeMaps) {
-    let ShapeMaps { grid, points, .. } = maps;
+fn fill_points(
+    surface: &HeightField,
+    grid: &ShapeGrid,
+    [along_x, along_y]: &[Vec<BasisRow>; 2],
+    points: &mut Array2<SurfacePoint>,
+) {
     let ascending = grid.y.is_sorted();
     let coefficients = surface.coefficients().as_standard_layout();
     match coefficients.as_slice() {

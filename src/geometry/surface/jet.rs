@@ -4,7 +4,7 @@
 //! Q(u, v)   Q_u  Q_v   Q_uu  Q_uv  Q_vv          of a height field u, v are x, y, and Q = (x, y, S(x, y))
 //! ```
 
-use super::{HeightField, Parametric, ParametricPoint};
+use super::{HeightField, Parametric, ParametricPoint, SurfacePoint};
 use crate::contact::Frame;
 use crate::curvature::Derivatives;
 use palpate_numeric::bspline::Knots;
@@ -25,6 +25,18 @@ pub trait Surface {
 
     /// Position and derivatives; beyond the ends of the domain, the end polynomials'.
     fn jet(&self, at: [f64; 2]) -> Jet;
+}
+
+/// A surface `z = S(x, y)`.
+pub trait Heights: Surface + std::fmt::Debug {
+    /// Height, slopes and second derivatives; beyond the ends of the domain, the end polynomials'.
+    fn height_at(&self, x: f64, y: f64) -> SurfacePoint;
+}
+
+impl Heights for HeightField {
+    fn height_at(&self, x: f64, y: f64) -> SurfacePoint {
+        self.at(x, y)
+    }
 }
 
 impl Surface for HeightField {
@@ -68,7 +80,7 @@ impl Surface for Parametric {
 #[derive(Clone, Copy, Debug)]
 pub struct AlongAxes<'a> {
     /// Heights along the frame's third axis, input units.
-    pub surface: &'a HeightField,
+    pub surface: &'a dyn Heights,
     /// The frame; its origin and scale do not count.
     pub frame: &'a Frame,
 }

@@ -12,7 +12,7 @@ mod rows;
 mod saved;
 
 pub use height_field::{HeightCoefficients, HeightField, SurfacePoint};
-pub use jet::{AlongAxes, Jet, Surface};
+pub use jet::{AlongAxes, Heights, Jet, Surface};
 pub use parametric::{Parametric, ParametricPoint};
 pub use rows::CurvatureGrid;
 pub use rows::pieces_of;

@@ -10,12 +10,13 @@
 
 use super::refinement::RefinementRound;
 use super::system::FitWork;
-use crate::factor::SelectedInverse;
+use crate::error::HierarchyError;
+use crate::factor::{SelectedInverse, SparseCholesky};
 use crate::field::HierarchicalField;
 use crate::space::LocalFunction;
 use palpate_geometry::contact::Frame;
 use palpate_geometry::shape::{ByJet, PointSds, Uncertain, point_sds};
-use palpate_geometry::surface::{Jet, Surface, SurfacePoint};
+use palpate_geometry::surface::{Heights, Jet, Surface, SurfacePoint};
 use palpate_numeric::bspline::BasisRow;
 
 /// A surface fitted with knots where the contacts ask for them.
@@ -23,6 +24,7 @@ use palpate_numeric::bspline::BasisRow;
 pub struct AdaptiveFit {
     pub(super) field: HierarchicalField,
     pub(super) frame: Frame,
+    pub(super) factor: SparseCholesky,
     pub(super) inverse: Option<SelectedInverse>,
     /// Variance of a height of weight 1, patch units.
     pub(super) variance: f64,
@@ -41,6 +43,10 @@ pub struct AdaptiveReport {
     pub lambdas: Vec<f64>,
     /// Degrees of freedom of the surface; `None` without the entries of the inverse.
     pub freedom: Option<f64>,
+    /// Contacts that count: those that were not left out.
+    pub counted: usize,
+    /// p-value of the best plane against the surface; `None` where the degrees of freedom are not known.
+    pub plane_p: Option<f64>,
     /// Root mean square of the residuals of the heights that count, input units.
     pub rms: f64,
     /// Condition of the equilibrated matrix in the 1-norm, an estimate.
@@ -62,6 +68,14 @@ impl AdaptiveFit {
         &self.frame
     }
 
+    /// The surface in the input's own coordinates.
+    ///
+    /// # Errors
+    /// When the input's own rounding makes distinct knots equal.
+    pub fn input_field(&self) -> Result<HierarchicalField, HierarchyError> {
+        self.field.placed(self.frame.origin, self.frame.scale)
+    }
+
     /// How it came about.
     pub fn report(&self) -> &AdaptiveReport {
         &self.report
@@ -77,7 +91,7 @@ impl AdaptiveFit {
         self.slope_sd
     }
 
-    fn to_patch(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn to_patch(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [(x - self.frame.origin[0]) / self.frame.scale, (y - self.frame.origin[1]) / self.frame.scale]
     }
 
@@ -108,7 +122,7 @@ impl AdaptiveFit {
     }
 
     /// A functional's derivatives by the coefficients, `(function, derivative)`, of the six numbers' weights in the patch's frame.
-    fn gradient(&self, [u, v]: [f64; 2], weights: [f64; 6]) -> Vec<(u32, f64)> {
+    pub(super) fn gradient(&self, [u, v]: [f64; 2], weights: [f64; 6]) -> Vec<(u32, f64)> {
         let space = self.field.space();
         let leaf = space.leaf_at([u, v]);
         let place = space.leaves()[leaf].place.map(|k| k as usize);
@@ -139,6 +153,12 @@ impl AdaptiveFit {
 fn combined(x: &BasisRow, y: &BasisRow, [a, b]: [usize; 2], w: [f64; 6]) -> f64 {
     let of = |dx: usize, dy: usize| x.derivative(dx)[a] * y.derivative(dy)[b];
     w[0] * of(0, 0) + w[1] * of(1, 0) + w[2] * of(0, 1) + w[3] * of(2, 0) + w[4] * of(1, 1) + w[5] * of(0, 2)
+}
+
+impl Heights for AdaptiveFit {
+    fn height_at(&self, x: f64, y: f64) -> SurfacePoint {
+        self.at(x, y)
+    }
 }
 
 impl Surface for AdaptiveFit {

@@ -11,7 +11,9 @@ mod answer;
 mod local_scale;
 mod marginal_likelihood;
 mod options;
+mod plane;
 mod refinement;
+mod shape;
 mod split_test;
 mod system;
 #[cfg(test)]
@@ -20,6 +22,7 @@ mod tests;
 pub use answer::{AdaptiveFit, AdaptiveReport};
 pub use options::{AdaptiveOptions, OutlierRule, RowVariances};
 pub use refinement::RefinementRound;
+pub use shape::ShapeQuestion;
 pub use system::FitWork;
 
 use crate::equations::{BlockWeights, CellSums, SortedContacts, patch_frame};
@@ -28,6 +31,7 @@ use crate::factor::SelectedInverse;
 use crate::mesh::Mesh;
 use palpate_geometry::contact::{Contacts, Frame};
 use palpate_numeric::bspline::Knots;
+use plane::plane_probability;
 use refinement::MeshRefinement;
 use system::{System, timed};
 
@@ -113,6 +117,8 @@ fn answered(mut refinement: MeshRefinement, system: System, frame: Frame) -> Ada
     let outliers = refinement.shares.iter().flatten().enumerate().filter(|(_, share)| **share == 0.0);
     let mut outliers: Vec<usize> = outliers.map(|(r, _)| refinement.contacts.number(r)).collect();
     outliers.sort_unstable();
+    let left_out = outliers.len();
+    let plane_p = traces.and_then(|[z, s]| plane_probability(&refinement, z + s));
     AdaptiveFit {
         inverse,
         variance: refinement.variance,
@@ -122,11 +128,14 @@ fn answered(mut refinement: MeshRefinement, system: System, frame: Frame) -> Ada
             outliers,
             lambdas: refinement.lambdas,
             freedom: traces.map(|[z, s]| z + s),
+            counted: refinement.contacts.len() - left_out,
+            plane_p,
             rms: (heights.squares / heights.rows.max(1.0)).sqrt() * frame.scale,
             condition: system.factor.condition(),
             factor_entries: system.factor.factor_entries(),
             work: refinement.work,
         },
+        factor: system.factor,
         field: refinement.field,
         frame,
     }

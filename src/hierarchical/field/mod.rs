@@ -5,6 +5,7 @@
 //! ```
 
 mod embedding;
+mod placed;
 #[cfg(test)]
 mod space_tests;
 
@@ -12,7 +13,7 @@ use std::sync::Arc;
 
 use crate::error::HierarchyError;
 use crate::space::HierarchicalSpace;
-use palpate_geometry::surface::{Jet, Surface, SurfacePoint};
+use palpate_geometry::surface::{Heights, Jet, Surface, SurfacePoint};
 use palpate_numeric::threads;
 
 /// Cells whose tables one thread makes at a time.
@@ -41,6 +42,14 @@ pub struct HierarchicalField {
     coefficients: Vec<f64>,
     /// (p + 1)(q + 1) numbers for every leaf.
     tables: Vec<f64>,
+}
+
+/// The same cells, knots and coefficients; the tables follow from them.
+impl PartialEq for HierarchicalField {
+    fn eq(&self, other: &HierarchicalField) -> bool {
+        let bases = [self, other].map(|field| field.space.mesh().levels().at(0).map(|level| level.knots()));
+        bases[0] == bases[1] && self.space.leaves() == other.space.leaves() && self.coefficients == other.coefficients
+    }
 }
 
 impl HierarchicalField {
@@ -95,6 +104,12 @@ impl HierarchicalField {
         let table = self.table(leaf);
         let width = ky.degree() + 1;
         SurfacePoint::of_rows(&bx, &by, |i, j| table[(i - bx.first) * width + j - by.first])
+    }
+}
+
+impl Heights for HierarchicalField {
+    fn height_at(&self, x: f64, y: f64) -> SurfacePoint {
+        self.at(x, y)
     }
 }
 

@@ -47,6 +47,30 @@ impl Mesh {
         Ok(Mesh { levels: KnotLevels::new(base)?, tree })
     }
 
+    /// The hierarchy in which these cells are split, and with them whatever admissibility asks for.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::new`] and of [`Mesh::refine`], and [`HierarchyError::Place`] for a cell that lies in no base cell.
+    pub fn of_splits(base: [Knots; 2], splits: impl IntoIterator<Item = CellId>) -> Result<Mesh, HierarchyError> {
+        let mut mesh = Mesh::new(base)?;
+        let grid = mesh.tree.base();
+        for cell in splits {
+            if usize::from(cell.level) >= MAX_LEVEL {
+                return Err(HierarchyError::Depth { level: cell.level.into(), most: MAX_LEVEL });
+            }
+            if (0..2).any(|axis| (cell.place[axis] >> cell.level) as usize >= grid[axis]) {
+                return Err(HierarchyError::Place { level: cell.level.into(), place: cell.place });
+            }
+            mesh.refine(cell)?;
+        }
+        Ok(mesh)
+    }
+
+    /// All cells that are split: what [`Mesh::of_splits`] makes the same hierarchy of.
+    pub fn splits(&self) -> impl Iterator<Item = CellId> + '_ {
+        (0..self.tree.len()).filter(|number| self.tree.is_split(*number)).map(|number| self.tree.cell(number))
+    }
+
     /// Knots of all levels.
     pub fn levels(&self) -> &KnotLevels {
         &self.levels

@@ -11,8 +11,8 @@
 use std::time::{Duration, Instant};
 
 use crate::cli::answer::{Question, answer, described};
+use crate::cli::found::{Found, Refusal};
 use crate::cli::options::FitFlags;
-use crate::cli::recognise_or_fit::{Found, Refusal};
 use crate::io::Input;
 use crate::report::{Answer, FitDocument, ShapePart, compute_shape};
 use palpate_fitting::fit::FitOptions;
@@ -51,7 +51,7 @@ impl LiveLook {
     /// Asks these touches.
     pub(super) fn at(contacts: Contacts, touches: u64, viewpoint: Option<[f64; 3]>, reach: &TouchReach) -> LiveLook {
         let (flags, clock) = (FitFlags::default(), Instant::now());
-        let question = Question { flags: &flags, base: FitOptions::default(), bare: false, viewpoint };
+        let question = Question { flags: &flags, adaptive: false, base: FitOptions::default(), bare: false, viewpoint };
         let count = contacts.len();
         let input = Input::Contacts(contacts);
         let found = answer(&input, &question).map_err(Refusal::words);

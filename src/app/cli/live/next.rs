@@ -11,7 +11,7 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 
-use crate::cli::recognise_or_fit::Found;
+use crate::cli::found::Found;
 use crate::report::Answer;
 use palpate_fitting::fit::Fit;
 use palpate_fitting::parametric::FittedSurface;
@@ -68,7 +68,7 @@ fn body(found: &Found) -> Option<&Recognition> {
             let steep = |normal: &[f64; 3]| normal[2] < STEEPEST_NZ;
             found.averaged.iter().any(|(_, normal)| steep(normal))
         }),
-        Answer::Fitted(_) => None,
+        Answer::Adaptive(_) | Answer::Fitted(_) => None,
     }
 }
 
@@ -90,7 +90,7 @@ fn planned(found: &Found, contacts: &Contacts, places: &[[f64; 2]], reach: &Touc
     let fit: Cow<Fit> = match &found.answer {
         Answer::Recognised(found) => Cow::Owned(planning_fit(&with_whole_normals(contacts), Some(found))?),
         Answer::Fitted(FittedSurface::Height(fit)) => Cow::Borrowed(&**fit),
-        Answer::Fitted(FittedSurface::Parametric(_)) => return None,
+        Answer::Adaptive(_) | Answer::Fitted(FittedSurface::Parametric(_)) => return None,
     };
     let mut planner = TouchPlanner::new(&fit).ok()?;
     let best = *planner.next_touches(places, 1).ok()?.first()?;

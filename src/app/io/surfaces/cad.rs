@@ -15,6 +15,7 @@ use crate::io::surface_file::{AnySurface, Saved};
 use palpate_geometry::contact::Frame;
 use palpate_geometry::shape::UvSupport;
 use palpate_geometry::surface::{HeightField, Parametric};
+use palpate_hierarchical::field::HierarchicalField;
 use palpate_numeric::bspline::{Knots, MAX_DEGREE};
 
 /// A non-rational tensor-product spline, open in both directions.
@@ -42,6 +43,7 @@ impl CadPatch {
         }
         match &saved.surface {
             AnySurface::Height(field) => Ok(of_height(field, &saved.frame)),
+            AnySurface::Hierarchical(field) => Ok(of_height(&tensor(field)?, &saved.frame)),
             AnySurface::Parametric(map, _) => {
                 let closed: Vec<&str> =
                     ["u", "v"].into_iter().zip(map.knots()).filter(|(_, k)| k.is_closed()).map(|(n, _)| n).collect();
@@ -93,6 +95,24 @@ impl CadPatch {
             uncertainty: None,
         })
     }
+}
+
+/// Coefficients of a tensor spline that a file of text still holds and CAD still opens: some 100 MB.
+const MOST_COEFFICIENTS: usize = 1 << 20;
+
+/// The tensor spline of the finest level, where it is not too large.
+///
+/// # Errors
+/// What can be saved instead.
+pub(crate) fn tensor(field: &HierarchicalField) -> Result<HeightField, String> {
+    let [n, m] = field.tensor_size();
+    if n.saturating_mul(m) > MOST_COEFFICIENTS {
+        return Err(format!(
+            "as one spline the surface has {n} x {m} coefficients, at most {MOST_COEFFICIENTS} in all are written; .json holds its cells \
+             as they are, and a mesh (.ply, .obj, .stl, .glb, .vtu) takes any surface"
+        ));
+    }
+    field.to_tensor().map_err(|e| e.to_string())
 }
 
 fn degrees_and_knots(knots: &[Knots; 2]) -> ([usize; 2], [Vec<f64>; 2]) {

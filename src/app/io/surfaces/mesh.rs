@@ -9,7 +9,8 @@ use ndarray::Array2;
 
 use crate::io::surface_file::{AnySurface, Saved};
 use crate::io::uncertainty_map::PointUncertainty;
-use palpate_geometry::shape::{ShapeGrid, parametric_maps, uv_grid};
+use palpate_geometry::shape::{ShapeGrid, ShapeMaps, parametric_maps, uv_grid};
+use palpate_geometry::surface::Surface;
 
 /// Triangles with the shape at their corners.
 #[derive(Clone, Debug)]
@@ -105,22 +106,12 @@ fn fields(saved: &Saved, kept: &[&Vertex]) -> Vec<(&'static str, Vec<f64>)> {
 fn vertices(saved: &Saved, points: [usize; 2]) -> (Array2<Option<Vertex>>, [bool; 2]) {
     match &saved.surface {
         AnySurface::Height(field) => {
-            let domain = [0, 1].map(|k| field.knots()[k].domain());
-            let maps = field.shape_maps(ShapeGrid::over(domain, points, 0.0), &saved.unsupported);
-            let turned = |v: [f64; 3]| if saved.frame.keeps_axes() { v } else { saved.frame.rotate_back(v) };
-            let vertex = |(i, j): (usize, usize)| {
-                let (x, y) = (maps.grid.x[i], maps.grid.y[j]);
-                let held = maps.supported[[i, j]] && saved.support_map.as_ref().is_none_or(|m| m.holds(domain, [x, y]));
-                let here = maps.points[[i, j]];
-                let [s, r, k1, k2] = [&maps.shape_index, &maps.curvedness, &maps.k1, &maps.k2].map(|m| m[[i, j]]);
-                held.then(|| Vertex {
-                    point: turned([x, y, here.z]),
-                    normal: turned(here.normal()),
-                    shape: [s, r, k1, k2],
-                    place: [x, y],
-                })
-            };
-            (Array2::from_shape_fn(maps.points.dim(), vertex), [false; 2])
+            let maps = field.shape_maps(ShapeGrid::over(field.domain(), points, 0.0), &saved.unsupported);
+            (of_heights(saved, field.domain(), &maps), [false; 2])
+        }
+        AnySurface::Hierarchical(field) => {
+            let maps = ShapeMaps::of_heights(&**field, ShapeGrid::over(field.domain(), points, 0.0));
+            (of_heights(saved, field.domain(), &maps), [false; 2])
         }
         AnySurface::Parametric(map, support) => {
             let knots = [&map.knots()[0], &map.knots()[1]];
@@ -137,6 +128,24 @@ fn vertices(saved: &Saved, points: [usize; 2]) -> (Array2<Option<Vertex>>, [bool
             (Array2::from_shape_fn(maps.points.dim(), vertex), knots.map(|k| k.is_closed()))
         }
     }
+}
+
+/// Vertices of a surface of heights.
+fn of_heights(saved: &Saved, domain: [[f64; 2]; 2], maps: &ShapeMaps) -> Array2<Option<Vertex>> {
+    let turned = |v: [f64; 3]| if saved.frame.keeps_axes() { v } else { saved.frame.rotate_back(v) };
+    let vertex = |(i, j): (usize, usize)| {
+        let (x, y) = (maps.grid.x[i], maps.grid.y[j]);
+        let held = maps.supported[[i, j]] && saved.support_map.as_ref().is_none_or(|m| m.holds(domain, [x, y]));
+        let here = maps.points[[i, j]];
+        let [s, r, k1, k2] = [&maps.shape_index, &maps.curvedness, &maps.k1, &maps.k2].map(|m| m[[i, j]]);
+        held.then(|| Vertex {
+            point: turned([x, y, here.z]),
+            normal: turned(here.normal()),
+            shape: [s, r, k1, k2],
+            place: [x, y],
+        })
+    };
+    Array2::from_shape_fn(maps.points.dim(), vertex)
 }
 
 /// Points each way at which the supported share of a domain is counted.

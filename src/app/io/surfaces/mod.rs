@@ -34,6 +34,7 @@ use std::path::Path;
 use super::IoError;
 use super::surface_file::Saved;
 
+pub(crate) use cad::tensor;
 use mesh::SurfaceMesh;
 
 /// Every ending, for messages.

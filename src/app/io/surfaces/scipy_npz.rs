@@ -10,7 +10,18 @@ use std::io::Cursor;
 
 use crate::io::npz_writer::NpzWriter;
 use crate::io::surface_file::{AnySurface, Saved};
+use palpate_geometry::surface::HeightField;
 use palpate_numeric::bspline::Knots;
+
+use super::cad::tensor;
+
+/// Writes knots and coefficients under their names.
+type WriteSpline<'a> = &'a mut dyn FnMut(&[Knots; 2], &[usize], &mut dyn Iterator<Item = f64>) -> std::io::Result<()>;
+
+fn heights(field: &HeightField, spline: WriteSpline) -> std::io::Result<()> {
+    let (n, m) = field.coefficients().dim();
+    spline(field.knots(), &[n, m], &mut field.coefficients().iter().copied())
+}
 
 /// The whole file.
 ///
@@ -28,8 +39,11 @@ pub(super) fn write(saved: &Saved) -> std::io::Result<Vec<u8>> {
     };
     match &saved.surface {
         AnySurface::Height(field) => {
-            let (n, m) = field.coefficients().dim();
-            spline(field.knots(), &[n, m], &mut field.coefficients().iter().copied())?;
+            heights(field, &mut spline)?;
+            npz.add("axes", &[3, 3], saved.frame.axes.iter().flatten().copied())?;
+        }
+        AnySurface::Hierarchical(field) => {
+            heights(&tensor(field).map_err(std::io::Error::other)?, &mut spline)?;
             npz.add("axes", &[3, 3], saved.frame.axes.iter().flatten().copied())?;
         }
         AnySurface::Parametric(map, _) => {

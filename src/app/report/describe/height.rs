@@ -24,15 +24,12 @@ use super::truth::{TruePlace, truth_part};
 pub(super) fn found<'a>(fit: &'a Fit, subject: &Subject<'a>) -> Result<Found<'a>, FitError> {
     let (surface, shape) = (fit.input_surface()?, shape_of(fit, subject));
     Ok(Found {
-        contacts: match subject.input {
-            Input::Contacts(contacts) => contacts.len(),
-            Input::Grid(grid) => measured_pixels(grid),
-        },
+        contacts: measured(subject.input),
         saved_frame: *fit.frame(),
         frame: *fit.frame(),
         fit: fit_part(fit, subject),
         shape: height_shape_part(fit, shape),
-        truth: subject.truth.map(|truth| truth_part(shape, truth, &against(fit, shape, truth))),
+        truth: subject.truth.map(|truth| truth_part(shape, truth, &against(fit.frame(), &shape.maps, truth))),
         surface: AnySurface::Height(surface),
         unsupported: Cow::Borrowed(&fit.solution().unsupported),
         source: Source::Height { fit, input: subject.input, bare: subject.bare },
@@ -62,6 +59,14 @@ fn along_axes(contacts: &Contacts, frame: &Frame) -> (Vec<f64>, Vec<f64>) {
         .map(|r| frame.rotate([contacts.x[r], contacts.y[r], contacts.z[r]]))
         .map(|p| (p[0], p[1]))
         .unzip()
+}
+
+/// Contacts, or pixels that hold a measurement.
+pub(super) fn measured(input: &Input) -> usize {
+    match input {
+        Input::Contacts(contacts) => contacts.len(),
+        Input::Grid(grid) => measured_pixels(grid),
+    }
 }
 
 fn measured_pixels(grid: &Grid) -> usize {
@@ -109,6 +114,7 @@ fn fit_part(fit: &Fit, subject: &Subject) -> FitPart {
         chosen: subject.chosen.clone(),
         lack_of_fit: subject.lack_of_fit.clone(),
         parametric: None,
+        adaptive: None,
         rms: RmsPart { z: rms.z, zx: rms.zx, zy: rms.zy, normal_deg: None },
         notes: (subject.remarks())
             .chain(fit.notes().iter().map(ToString::to_string))
@@ -188,12 +194,11 @@ fn intervals_part(fit: &Fit, shape: &Shape) -> IntervalsPart {
 }
 
 /// The true shape under the points of the grid.
-fn against(fit: &Fit, shape: &Shape, truth: &Truth) -> Vec<TruePlace> {
-    let maps = &shape.maps;
+pub(super) fn against(frame: &Frame, maps: &ShapeMaps, truth: &Truth) -> Vec<TruePlace> {
     let supported = maps.supported.indexed_iter().filter(|(_, supported)| **supported);
     let place = |((i, j), _): ((usize, usize), &bool)| {
         let point = [maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z];
-        let [x, y, _] = fit.frame().direction_to_input(point);
+        let [x, y, _] = frame.direction_to_input(point);
         let below = truth.at(x, y)?;
         let found = (maps.shape_index_at(i, j), maps.curvedness[[i, j]]);
         Some(TruePlace { found, point: below.point, local: below.local })

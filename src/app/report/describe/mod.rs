@@ -1,5 +1,6 @@
 //! From an answer of any kind to its description: each kind tells its parts, and here they become a document.
 
+mod adaptive;
 pub(super) mod height;
 mod parametric;
 pub(super) mod recognised;
@@ -14,6 +15,7 @@ use palpate_fitting::parametric::FittedSurface;
 use palpate_geometry::contact::Frame;
 use palpate_inference::recognition::Recognition;
 
+use super::adaptive_answer::AdaptiveAnswer;
 use super::description::Description;
 use super::document::{FitDocument, FitPart, Seconds, ShapePart};
 use super::parametric::ParametricPoints;
@@ -29,6 +31,8 @@ use super::truth_part::TruthPart;
 pub(crate) enum Answer {
     /// A surface of the kind that was named.
     Fitted(FittedSurface),
+    /// A surface with knots where the contacts asked for them.
+    Adaptive(Box<AdaptiveAnswer>),
     /// What the contacts show, nothing being named.
     Recognised(Box<Recognition>),
 }
@@ -53,8 +57,8 @@ pub(crate) fn compute_shape(answer: &Answer, bare: bool) {
         Answer::Fitted(FittedSurface::Parametric(fit)) => {
             let _ = fit.shape();
         }
-        // a recognition has its shape already
-        Answer::Recognised(_) => {}
+        // these have their shape already
+        Answer::Adaptive(_) | Answer::Recognised(_) => {}
     }
 }
 
@@ -86,6 +90,7 @@ pub(crate) fn describe_fit<'a>(
     let found = match answer {
         Answer::Fitted(FittedSurface::Height(fit)) => height::found(fit, subject)?,
         Answer::Fitted(FittedSurface::Parametric(fit)) => parametric::found(fit, subject)?,
+        Answer::Adaptive(answer) => adaptive::found(answer, subject)?,
         Answer::Recognised(found) => recognised::found(found, subject)?,
     };
     let grid = found.shape.grid;
@@ -107,6 +112,7 @@ pub(crate) fn describe_fit<'a>(
             let shape = if bare { fit.bare_shape() } else { fit.shape() };
             take_back_class(&mut document, height::shape_index(&shape.maps));
         }
+        Source::Adaptive { answer, .. } => take_back_class(&mut document, height::shape_index(&answer.shape.maps)),
         Source::Recognised { found, .. } => {
             let supported = found.map.iter().filter(|p| p.supported);
             take_back_class(&mut document, supported.filter_map(|p| p.shape_index));
@@ -152,6 +158,7 @@ pub(crate) fn describe_saved(saved: &Saved, mut document: FitDocument, grid: Sho
 pub(crate) fn points_at(saved: &Saved, places: &Points) -> Box<dyn PointTable> {
     match &saved.surface {
         AnySurface::Height(surface) => Box::new(HeightPoints::of(surface, &saved.frame, places)),
+        AnySurface::Hierarchical(surface) => Box::new(HeightPoints::of(&**surface, &saved.frame, places)),
         AnySurface::Parametric(surface, support) => Box::new(ParametricPoints::of(surface, support, places)),
     }
 }

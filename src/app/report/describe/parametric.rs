@@ -75,6 +75,7 @@ fn fit_part(fit: &ParametricFit, subject: &Subject) -> FitPart {
             fairness_raised: certificate.fairness_raised,
             closed: [0, 1].map(|k| knots[k].is_closed()),
         }),
+        adaptive: None,
         sigma: Some(SigmaPart {
             z: Some(fit.position_sd()),
             normal_deg: Some(fit.normal_sd_deg()),

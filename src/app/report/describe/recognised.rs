@@ -113,7 +113,7 @@ pub(in crate::report) fn support_and_sds(
     let place = |u: f64, v: f64| map.jet([u, v]).point;
     let support_map = match surface {
         AnySurface::Height(_) => SupportMap::of(map.domain(), |x, y| supports(found, place(x, y))),
-        AnySurface::Parametric(..) => None,
+        AnySurface::Parametric(..) | AnySurface::Hierarchical(_) => None,
     };
     let pointwise = match input {
         Input::Contacts(contacts) => Pointwise::new(found, contacts),
@@ -153,6 +153,7 @@ fn fit_part(found: &Recognition, surface: &AnySurface, subject: &Subject) -> Fit
             words: found.misfit.words.clone(),
         }),
         parametric: None,
+        adaptive: None,
         sigma: Some(SigmaPart {
             z: Some(noise.sd_z),
             normal_deg: noise.sd_normal_deg,
@@ -224,6 +225,7 @@ fn chosen(found: &Recognition, surface: &AnySurface, degree: [usize; 2], segment
     let (surface, frame) = match surface {
         AnySurface::Height(_) => ("height", "keep"),
         AnySurface::Parametric(..) => ("parametric", "auto"),
+        AnySurface::Hierarchical(_) => ("adaptive", "keep"),
     };
     let why = format!("{} explains the contacts best (probability {weight:.3}){beside}", found.hypothesis.described());
     ChosenPart {
