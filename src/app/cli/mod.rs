@@ -17,6 +17,7 @@ mod describe;
 mod diff;
 #[doc(hidden)]
 pub mod embedded;
+mod embedded_fits;
 mod examples;
 mod explain;
 mod explicit_model;

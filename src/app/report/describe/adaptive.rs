@@ -21,7 +21,7 @@ use super::truth::truth_part;
 /// # Errors
 /// When the input's own rounding leaves no distinct knots.
 pub(super) fn found<'a>(answer: &'a AdaptiveAnswer, subject: &Subject<'a>) -> Result<Found<'a>, FitError> {
-    let field = answer.fit.input_field().map_err(|error| rounded(error))?;
+    let field = answer.fit.input_field().map_err(rounded)?;
     let shape = &answer.shape;
     Ok(Found {
         contacts: measured(subject.input),
