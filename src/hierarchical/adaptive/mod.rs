@@ -8,6 +8,7 @@
 //! likelihood, outliers by local scales. Nothing is asked of the user but contacts.
 
 mod answer;
+mod certificate;
 mod local_scale;
 mod marginal_likelihood;
 mod options;
@@ -29,6 +30,7 @@ use crate::equations::{BlockWeights, CellSums, SortedContacts, patch_frame};
 use crate::error::HierarchyError;
 use crate::factor::SelectedInverse;
 use crate::mesh::Mesh;
+use certificate::backward_error;
 use palpate_geometry::contact::{Contacts, Frame};
 use palpate_numeric::bspline::Knots;
 use plane::plane_probability;
@@ -118,6 +120,7 @@ fn answered(mut refinement: MeshRefinement, system: System, frame: Frame) -> Ada
     let mut outliers: Vec<usize> = outliers.map(|(r, _)| refinement.contacts.number(r)).collect();
     outliers.sort_unstable();
     let left_out = outliers.len();
+    let certified = refinement.options.uncertainty.then(|| backward_error(&refinement, &system));
     let plane_p = traces.and_then(|[z, s]| plane_probability(&refinement, z + s));
     AdaptiveFit {
         inverse,
@@ -131,6 +134,7 @@ fn answered(mut refinement: MeshRefinement, system: System, frame: Frame) -> Ada
             counted: refinement.contacts.len() - left_out,
             plane_p,
             rms: (heights.squares / heights.rows.max(1.0)).sqrt() * frame.scale,
+            backward_error: certified,
             condition: system.factor.condition(),
             factor_entries: system.factor.factor_entries(),
             work: refinement.work,

@@ -20,6 +20,7 @@ use crate::error::HierarchyError;
 use crate::field::HierarchicalField;
 use crate::mesh::{CellId, Mesh};
 use crate::space::HierarchicalSpace;
+use palpate_geometry::contact::Orientation;
 use palpate_numeric::statistics::VarianceComponent;
 
 /// Likelihoods asked for when nothing is known of lambda, and when that of the round before is.
@@ -60,6 +61,8 @@ pub(super) struct MeshRefinement<'a> {
     pub residuals: ContactResiduals,
     pub shares: Option<Vec<f64>>,
     pub weights: BlockWeights,
+    /// Those of the last step.
+    pub solved_weights: BlockWeights,
     /// Weights of the roughness over the cells of every level; none before the first fit.
     pub lambdas: Vec<f64>,
     /// Variance of a row of weight 1, and what was declared of it.
@@ -91,6 +94,7 @@ impl<'a> MeshRefinement<'a> {
             residuals,
             shares: None,
             weights,
+            solved_weights: weights,
             lambdas: Vec::new(),
             variance: 0.0,
             declared,
@@ -172,6 +176,7 @@ impl<'a> MeshRefinement<'a> {
         *field = HierarchicalField::new(system.space.clone(), moved)?;
         *residuals = timed(&mut work.passes, || ContactResiduals::of(contacts, field));
         self.variance = step.variance;
+        self.solved_weights = self.weights;
         self.lambdas.iter_mut().for_each(|lambda| *lambda *= step.factor_of_lambda);
         if search > 0 && self.lambdas.len() > 1 {
             let (c, lambdas) = (field.coefficients(), &self.lambdas);
@@ -260,7 +265,10 @@ impl<'a> MeshRefinement<'a> {
             }
         }
         self.lambdas.iter_mut().skip(1).for_each(|lambda| *lambda *= UNDERSMOOTHING);
-        self.step(system, 0)
+        self.step(system, 0)?;
+        // rows of normals are linear about the surface before the step, and that one was of other lambdas
+        let normals = matches!(self.contacts.contacts().orientation, Orientation::Normals { .. });
+        if normals { self.step(system, 0) } else { Ok(()) }
     }
 
     /// Shares without the contacts that lie too far off.

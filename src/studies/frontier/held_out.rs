@@ -113,10 +113,17 @@ impl HeldOut {
         }
     }
 
-    /// The ways that were measured, by what the ledger holds of them.
+    /// The ways that were measured, by what the ledger holds of them. All are judged by the same parts, because some parts are harder to
+    /// tell than others: by those that half of the ways have come to, and ways that have come to fewer are left out.
     pub fn measured(&self, ledger: &Ledger) -> Vec<Measured> {
-        let entries = ledger.entries();
-        let reached = self.ways.iter().zip(&entries).filter(|(_, entry)| entry.is_measured(1));
+        let mut entries = ledger.entries();
+        let mut counts: Vec<usize> =
+            entries.iter().filter(|entry| entry.is_measured(1)).map(|entry| entry.judged.len()).collect();
+        counts.sort_unstable();
+        let parts = counts.get(counts.len() / 2).copied().unwrap_or(0);
+        entries.iter_mut().for_each(|entry| entry.judged.truncate(parts));
+        let alike = |entry: &LedgerLine| entry.is_measured(1) && entry.judged.len() == parts;
+        let reached = self.ways.iter().zip(&entries).filter(|(_, entry)| alike(entry));
         let contacts = self.parts.first().map_or(0, |(seen, _)| seen.len());
         let mut measured: Vec<Measured> = reached
             .map(|(way, entry)| Measured {

@@ -78,7 +78,7 @@ fn fit_part(answer: &AdaptiveAnswer, subject: &Subject) -> FitPart {
         unknowns: fit.unknowns(),
         rank: fit.unknowns(),
         condition: (!subject.bare).then_some(report.condition).filter(|condition| condition.is_finite()),
-        backward_error: None,
+        backward_error: report.backward_error,
         promise: None,
         refinements: 0,
         // of second derivatives, from the patch's unit of length to the input's
