@@ -15,6 +15,9 @@ use super::FitError;
 /// Most points of a shape grid. A larger number is a typing error: the maps alone would take gigabytes.
 const MAX_GRID_POINTS: usize = 100_000_000;
 
+/// Aspects whose sixth power, which is the ratio of the largest factor of the roughness to the least, leaves some of a number's digits.
+const ASPECTS: [f64; 2] = [0.01, 100.0];
+
 /// Weights of the slope rows (paper Eq. 14). They multiply residuals, not their squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
@@ -316,6 +319,31 @@ impl FitOptions {
             }
             _ => self.check_smooth(),
         }
+    }
+
+    /// Checks the roughness penalty against degrees and kind of surface.
+    fn check_smooth(&self) -> Result<(), FitError> {
+        let fault = |expected| Err(FitError::Option { option: "smooth", value: self.smooth.to_string(), expected });
+        let (lambda, aspect) = match self.smooth {
+            Smooth::None | Smooth::Auto => return Ok(()),
+            Smooth::Lambda(lambda) | Smooth::Third(lambda) => (lambda, 1.0),
+            Smooth::Stretched { lambda, aspect } => (lambda, aspect),
+        };
+        if !matches!(self.smooth, Smooth::Lambda(_)) {
+            if self.surface == SurfaceKind::Parametric {
+                return fault("a parametric surface takes auto or a number");
+            }
+            if self.degree[0].min(self.degree[1]) < 3 {
+                return fault("third=LAMBDA needs degree 3 or more, since other splines have no third derivative");
+            }
+        }
+        if !lambda.is_finite() || lambda < 0.0 {
+            return fault("a finite number, not negative");
+        }
+        if !(ASPECTS[0]..=ASPECTS[1]).contains(&aspect) {
+            return fault("third=LAMBDA,ASPECT with an aspect from 0.01 to 100");
+        }
+        Ok(())
     }
 
     /// Refuses what only a parametric surface has.
