@@ -1,10 +1,10 @@
 """`palpate fit --smooth auto` beside mgcv's REML on random surfaces: root mean square errors of the height, S and R at 15 x 15 points.
 
-    python benches/peers/smoothing.py [--palpate target/release/palpate] [--problems 100] [--seed 1]
+    python benches/peers/smoothing.py [--palpate target/release/palpate] [--problems 100] [--seed 1] [--degree 4] [--mgcv-degree 4]
 
 A surface is a quadric, up to three bumps and up to two waves; 64 to 1,500 contacts lie anywhere on [-5, 5]^2, with noise of 0.3 to 5 % of
-the relief. palpate fits degree 3 with SEGMENTS x SEGMENTS cells, mgcv P-splines of order 3 with as many basis functions (tools/mgcv.R).
-Nothing is chosen knowing the truth. The ratio is palpate's error over mgcv's.
+the relief. Both fit splines of this degree with BASIS functions a direction (tools/mgcv.R), so that they have the same surfaces to choose
+from; mgcv may be given another degree than palpate. Nothing is chosen knowing the truth. The ratio is palpate's error over mgcv's.
 """
 import argparse
 import csv
@@ -15,7 +15,7 @@ import tempfile
 import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-SEGMENTS, DEGREE, HALF, GRID = 5, 3, 5.0, 15
+BASIS, HALF, GRID = 8, 5.0, 15
 
 
 def surface(rng):
@@ -54,9 +54,9 @@ def rms(values):
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def palpate(program, folder):
+def palpate(program, folder, degree):
     out = os.path.join(folder, "out")
-    line = [program, "fit", os.path.join(folder, "contacts.csv"), "--degree", str(DEGREE), "--segments", str(SEGMENTS), "--smooth", "auto"]
+    line = [program, "fit", os.path.join(folder, "contacts.csv"), "--degree", str(degree), "--segments", str(BASIS - degree), "--smooth", "auto"]
     line += [f"--domain=-{HALF},{HALF},-{HALF},{HALF}", "--grid", f"{GRID}x{GRID}", "--inset", "0.1", "--quiet", "--out", out]
     subprocess.run(line, check=True, capture_output=True)
     with open(os.path.join(out, "maps.csv")) as table:
@@ -65,11 +65,11 @@ def palpate(program, folder):
     return column("x"), column("y"), column("S"), column("R")
 
 
-def mgcv(folder, x, y):
+def mgcv(folder, x, y, degree):
     with open(os.path.join(folder, "targets.csv"), "w") as target:
         target.write("x,y\n" + "".join(f"{a},{b}\n" for a, b in zip(x, y)))
     line = ["Rscript", os.path.join(HERE, "tools", "mgcv.R"), os.path.join(folder, "contacts.csv"), os.path.join(folder, "targets.csv")]
-    run = subprocess.run([*line, str(SEGMENTS + DEGREE), "1"], check=True, capture_output=True, text=True)
+    run = subprocess.run([*line, str(BASIS), "1", str(degree)], check=True, capture_output=True, text=True)
     rows = [[float(v) for v in row.split(",")] for row in run.stdout.splitlines() if not row.startswith("T ")]
     return shape(*np.array(rows).T)
 
@@ -79,7 +79,10 @@ def main():
     options.add_argument("--palpate", default="target/release/palpate")
     options.add_argument("--problems", type=int, default=100)
     options.add_argument("--seed", type=int, default=1)
+    options.add_argument("--degree", type=int, default=4)
+    options.add_argument("--mgcv-degree", type=int, choices=[3, 4])
     asked = options.parse_args()
+    peer_degree = asked.mgcv_degree or asked.degree
     ratios = []
     for number in range(asked.problems):
         rng = np.random.default_rng([asked.seed, number])
@@ -89,8 +92,8 @@ def main():
         noise = np.std(z) * np.exp(rng.uniform(np.log(0.003), np.log(0.05)))
         with tempfile.TemporaryDirectory() as folder:
             np.savetxt(os.path.join(folder, "contacts.csv"), np.c_[x, y, z + noise * rng.normal(size=count)], delimiter=",", header="x,y,z", comments="")
-            gx, gy, *ours = palpate(asked.palpate, folder)
-            theirs = mgcv(folder, gx, gy)
+            gx, gy, *ours = palpate(asked.palpate, folder, asked.degree)
+            theirs = mgcv(folder, gx, gy, peer_degree)
         truth = by_differences(at, gx, gy)
         errors = [[rms(found - true) for found, true in zip(tool, truth)] for tool in (ours, theirs)]
         ratios.append([a / b for a, b in zip(*errors)])

@@ -48,7 +48,7 @@ pub(super) struct FitFlags {
     sigma_xy: Option<f64>,
     #[arg(long, hide_short_help = true, help = help("How the least squares problem is solved", Method::WORDS))]
     method: Option<Method>,
-    /// Roughness penalty: none, auto, LAMBDA or third=LAMBDA
+    /// Roughness penalty: none, auto, LAMBDA, third=LAMBDA or third=LAMBDA,ASPECT
     #[arg(long, hide_short_help = true, value_name = "LAMBDA", allow_hyphen_values = true)]
     smooth: Option<Smooth>,
     #[arg(long, hide_short_help = true, value_name = "LOSS", help = help("What large residuals count", Robust::WORDS))]

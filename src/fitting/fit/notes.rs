@@ -6,6 +6,8 @@
 
 use palpate_geometry::contact::counted;
 
+use super::Smooth;
+
 /// Remarks that belong to the answer.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -30,10 +32,8 @@ pub enum Note {
     },
     /// The smoothing parameter was chosen by the data.
     Smoothed {
-        /// lambda.
-        lambda: f64,
-        /// Whether third derivatives are penalised, as by [`Smooth::Third`](super::Smooth::Third), or second ones.
-        third: bool,
+        /// What was chosen, by which the same fit is had again.
+        chosen: Smooth,
     },
     /// Errors in x and y were known, and contacts were moved to where they most likely lie.
     Located {
@@ -109,11 +109,22 @@ impl std::fmt::Display for Note {
                 "the weights of the robust loss did not stand still: the last step moved one by {moved:.1e}, and what is \
                  said of S and R depends on where it stopped; lower degree or segments, or add contacts"
             ),
-            Note::Smoothed { lambda, third } => write!(
-                f,
-                "smoothing parameter {}{lambda:.3e} chosen by restricted maximum likelihood, which assumes independent rows",
-                if *third { "third=" } else { "" }
-            ),
+            Note::Smoothed { chosen } => {
+                match chosen {
+                    Smooth::Lambda(lambda) => write!(f, "smoothing parameter {lambda:.3e}")?,
+                    _ => write!(f, "smoothing {chosen}")?,
+                }
+                write!(f, " chosen by restricted maximum likelihood, which assumes independent rows")?;
+                match chosen {
+                    Smooth::Stretched { aspect, .. } if *aspect > 1.0 => {
+                        write!(f, "; bends are taken for {aspect:.2} times as long along x as along y")
+                    }
+                    Smooth::Stretched { aspect, .. } if *aspect < 1.0 => {
+                        write!(f, "; bends are taken for {:.2} times as long along y as along x", 1.0 / aspect)
+                    }
+                    _ => Ok(()),
+                }
+            }
         }
     }
 }

@@ -3,15 +3,20 @@
 #[macro_use]
 mod words;
 pub(super) mod method;
+mod smooth;
 mod surface_kind;
 
 pub use method::Method;
+pub use smooth::Smooth;
 pub use surface_kind::SurfaceKind;
 
 use super::FitError;
 
 /// Most points of a shape grid. A larger number is a typing error: the maps alone would take gigabytes.
 const MAX_GRID_POINTS: usize = 100_000_000;
+
+/// Aspects whose sixth power, which is the ratio of the largest factor of the roughness to the least, leaves some of a number's digits.
+const ASPECTS: [f64; 2] = [0.01, 100.0];
 
 /// Weights of the slope rows (paper Eq. 14). They multiply residuals, not their squares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -57,22 +62,6 @@ pub enum Objective {
     Slopes(SlopeWeights),
     /// Normal rows, maximum likelihood by Gauss-Newton.
     Normals(NormalSigma),
-}
-
-/// Thin-plate roughness penalty of a height field; of a parametric surface the weight of its fairness, in patch units.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum Smooth {
-    /// No penalty; a parametric surface, which needs some, takes `Auto` (`Lambda(0.0)` is none there too).
-    #[default]
-    None,
-    /// Chosen by the data: `Third`, or `Lambda` of splines below degree 3, by restricted maximum likelihood.
-    Auto,
-    /// `lambda * integral (S_xx^2 + 2 S_xy^2 + S_yy^2)` added to the weighted sum of squares.
-    Lambda(f64),
-    /// `lambda * integral (S_xxx^2 + 3 S_xxy^2 + 3 S_xyy^2 + S_yyy^2)` instead, x and y over the patch's length; height fields of degree 3
-    /// and more.
-    Third(f64),
 }
 
 /// Robust loss, by iterative reweighting.
@@ -328,21 +317,33 @@ impl FitOptions {
             Objective::Slopes(SlopeWeights::Explicit(w)) if w.iter().any(|v| !v.is_finite() || *v < 0.0) => {
                 fault("weights", format!("{},{},{}", w[0], w[1], w[2]), "three finite numbers, none negative")
             }
-            _ => match self.smooth {
-                Smooth::Third(_) if self.surface == SurfaceKind::Parametric => {
-                    fault("smooth", self.smooth.to_string(), "a parametric surface takes auto or a number")
-                }
-                Smooth::Third(_) if self.degree[0].min(self.degree[1]) < 3 => fault(
-                    "smooth",
-                    self.smooth.to_string(),
-                    "third=LAMBDA needs degree 3 or more, since other splines have no third derivative",
-                ),
-                Smooth::Lambda(lambda) | Smooth::Third(lambda) if !lambda.is_finite() || lambda < 0.0 => {
-                    fault("smooth", lambda.to_string(), "a finite number, not negative")
-                }
-                _ => Ok(()),
-            },
+            _ => self.check_smooth(),
         }
+    }
+
+    /// Checks the roughness penalty against degrees and kind of surface.
+    fn check_smooth(&self) -> Result<(), FitError> {
+        let fault = |expected| Err(FitError::Option { option: "smooth", value: self.smooth.to_string(), expected });
+        let (lambda, aspect) = match self.smooth {
+            Smooth::None | Smooth::Auto => return Ok(()),
+            Smooth::Lambda(lambda) | Smooth::Third(lambda) => (lambda, 1.0),
+            Smooth::Stretched { lambda, aspect } => (lambda, aspect),
+        };
+        if !matches!(self.smooth, Smooth::Lambda(_)) {
+            if self.surface == SurfaceKind::Parametric {
+                return fault("a parametric surface takes auto or a number");
+            }
+            if self.degree[0].min(self.degree[1]) < 3 {
+                return fault("third=LAMBDA needs degree 3 or more, since other splines have no third derivative");
+            }
+        }
+        if !lambda.is_finite() || lambda < 0.0 {
+            return fault("a finite number, not negative");
+        }
+        if !(ASPECTS[0]..=ASPECTS[1]).contains(&aspect) {
+            return fault("third=LAMBDA,ASPECT with an aspect from 0.01 to 100");
+        }
+        Ok(())
     }
 
     /// Refuses what only a parametric surface has.

@@ -97,7 +97,7 @@ pub(super) fn first(objective: Objective, smooth: Smooth, [slack, tie]: [f64; 2]
     };
     let (fairness, estimated) = match smooth {
         Smooth::Auto | Smooth::None => (FAIRNESS, true),
-        Smooth::Lambda(lambda) | Smooth::Third(lambda) => (lambda, false),
+        Smooth::Lambda(lambda) | Smooth::Third(lambda) | Smooth::Stretched { lambda, .. } => (lambda, false),
     };
     let weights = Weights { position: sds[0], normal: sds[1], fairness, slack, tie };
     (weights, Unknown { both, common, fairness: estimated })

@@ -193,7 +193,7 @@ impl MaskedPlan {
 
 impl Gaps {
     fn new(free: Free, knots: &[Knots; 2]) -> Result<Gaps, PlanError> {
-        let penalty = roughness_matrix(knots, RoughnessOrder::Second);
+        let penalty = roughness_matrix(knots, RoughnessOrder::Second.terms());
         let mut smooth = Cholesky::plan(penalty.shape())?;
         smooth.factor(&free.keep(&penalty))?;
         let zeros = vec![0.0; penalty.order()];

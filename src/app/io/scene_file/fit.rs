@@ -262,7 +262,7 @@ fn smooth(section: &Section, given: Option<WordOr<f64>>) -> Result<Option<Smooth
     match given {
         None => Ok(None),
         Some(WordOr::Word(word)) => match word.parse() {
-            Ok(smooth @ Smooth::Third(_)) => Ok(Some(smooth)),
+            Ok(smooth @ (Smooth::Third(_) | Smooth::Stretched { .. })) => Ok(Some(smooth)),
             _ => chosen(section, "smooth", &word, Smooth::WORDS, |smooth| smooth),
         },
         Some(WordOr::Else(lambda)) => checked(section, "smooth", Some(lambda), |lambda| {

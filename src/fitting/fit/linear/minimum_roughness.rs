@@ -56,7 +56,7 @@ pub(super) fn solve_with_gaps(equations: &Equations, solution: &mut Solution, fr
         return Ok(());
     }
     solution.reasons.push(Reason::Gap { coefficients: free.count() });
-    let penalty = roughness_matrix(&equations.sites.knots(), RoughnessOrder::Second);
+    let penalty = roughness_matrix(&equations.sites.knots(), RoughnessOrder::Second.terms());
     let mut smooth = Cholesky::plan(penalty.shape())?;
     smooth.factor(&free.keep(&penalty))?;
     if smooth.condition() > BEYOND_CHOLESKY {

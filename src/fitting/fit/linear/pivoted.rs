@@ -37,7 +37,7 @@ pub(super) fn by_pivoted_qr(
         let null_space = factor.null_space();
         unsupported.extend(moved_by(&null_space));
         smooth_along(
-            &roughness_matrix(&equations.sites.knots(), RoughnessOrder::Second),
+            &roughness_matrix(&equations.sites.knots(), RoughnessOrder::Second.terms()),
             &null_space,
             &mut coefficients,
         )?;
@@ -67,7 +67,7 @@ fn factor_rows(equations: &Equations, free: &Free) -> Result<PivotedQr, FitError
     let filled: Vec<usize> = (0..e.nrows()).filter(|&r| e.row(r).nnz() > 0).collect();
     // slope rows do not see the constant: a row of its own sets the sum of the coefficients to zero
     let constant = free.pinned().is_some();
-    let rows_of = |rough: &Roughness| (rough.lambda.sqrt(), roughness_rows(&equations.sites.knots(), rough.order));
+    let rows_of = |rough: &Roughness| (rough.lambda.sqrt(), roughness_rows(&equations.sites.knots(), &rough.terms));
     let rough = equations.roughness.as_ref().map(rows_of);
     let bends = rough.as_ref().map_or(0, |(_, bends)| bends.len());
     let rows = filled.len() + bends + usize::from(constant);

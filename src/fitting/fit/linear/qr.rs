@@ -71,7 +71,7 @@ pub(super) fn by_qr(
 /// Rows of the dense factor: those of the data, and those whose squares are the roughness.
 fn dense_rows(equations: &Equations) -> usize {
     let of_roughness =
-        equations.roughness.as_ref().map_or(0, |rough| roughness_row_count(&equations.sites.knots(), rough.order));
+        equations.roughness.as_ref().map_or(0, |rough| roughness_row_count(&equations.sites.knots(), &rough.terms));
     equations.count().saturating_add(of_roughness)
 }
 

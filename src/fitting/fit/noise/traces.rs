@@ -8,6 +8,7 @@ use crate::fit::linear::equations::{Equations, RowKind, data_normal_matrix, only
 use crate::fit::linear::solution::Solution;
 use crate::fit::noise::hutchinson::Signs;
 use palpate_numeric::linalg::StencilMatrix;
+use palpate_numeric::solve::Factor;
 
 /// Unknowns up to which a trace takes one solve for each, where the factor has no trace of its own. Cholesky's comes from
 /// the inverse's entries within the band; both are exact. For more unknowns (by nested dissection, QR or conjugate
@@ -28,32 +29,40 @@ pub(crate) fn hat_traces(equations: &Equations, solution: &Solution) -> [f64; 2]
 }
 
 /// `trace(A^-1 B)` over the unknowns that the data hold.
-fn trace(solution: &Solution, b: &StencilMatrix) -> f64 {
-    let exact = solution.factor.inverse_trace(b, &|u| solution.is_free(u));
-    exact.unwrap_or_else(
-        || {
-            if b.order() <= UNIT_VECTORS { by_unit_vectors(solution, b) } else { by_probes(solution, b) }
-        },
-    )
+pub(crate) fn trace(solution: &Solution, b: &StencilMatrix) -> f64 {
+    inverse_trace(&*solution.factor, b, &|u| solution.is_free(u))
 }
 
-fn by_unit_vectors(solution: &Solution, b: &StencilMatrix) -> f64 {
+/// The same over the unknowns for which `out` is false.
+pub(crate) fn inverse_trace(factor: &dyn Factor, b: &StencilMatrix, out: &dyn Fn(usize) -> bool) -> f64 {
+    let exact = factor.inverse_trace(b, out);
+    exact.unwrap_or_else(|| {
+        if b.order() <= UNIT_VECTORS { by_unit_vectors(factor, b, out) } else { by_probes(factor, b, out) }
+    })
+}
+
+/// Sets the entries of unknowns that are out to zero.
+fn clear(v: &mut [f64], out: &dyn Fn(usize) -> bool) {
+    v.iter_mut().enumerate().filter(|(u, _)| out(*u)).for_each(|(_, v)| *v = 0.0);
+}
+
+fn by_unit_vectors(factor: &dyn Factor, b: &StencilMatrix, out: &dyn Fn(usize) -> bool) -> f64 {
     let order = b.order();
     let mut product = vec![0.0; order];
     let mut unit = vec![0.0; order];
     let mut sum = 0.0;
-    for u in (0..order).filter(|&u| !solution.is_free(u)) {
+    for u in (0..order).filter(|&u| !out(u)) {
         unit.fill(0.0);
         unit[u] = 1.0;
         b.multiply(&unit, &mut product);
-        solution.clear_free(&mut product);
-        solution.factor.solve(&mut product);
+        clear(&mut product, out);
+        factor.solve(&mut product);
         sum += product[u];
     }
     sum
 }
 
-fn by_probes(solution: &Solution, b: &StencilMatrix) -> f64 {
+fn by_probes(factor: &dyn Factor, b: &StencilMatrix, out: &dyn Fn(usize) -> bool) -> f64 {
     let order = b.order();
     let mut product = vec![0.0; order];
     let mut probe = vec![0.0; order];
@@ -62,11 +71,11 @@ fn by_probes(solution: &Solution, b: &StencilMatrix) -> f64 {
     for _ in 0..PROBES {
         for (u, p) in probe.iter_mut().enumerate() {
             let sign = signs.sign();
-            *p = if solution.is_free(u) { 0.0 } else { sign };
+            *p = if out(u) { 0.0 } else { sign };
         }
         b.multiply(&probe, &mut product);
-        solution.clear_free(&mut product);
-        solution.factor.solve(&mut product);
+        clear(&mut product, out);
+        factor.solve(&mut product);
         sum += probe.iter().zip(&product).map(|(p, v)| p * v).sum::<f64>();
     }
     sum / PROBES as f64
@@ -95,10 +104,12 @@ mod tests {
             assert!(!solution.unsupported.is_empty() && equations.unknowns() > UNIT_VECTORS);
             for kind in [RowKind::Heights, RowKind::Slopes] {
                 let b = data_normal_matrix(&equations.sites, &only(&equations.row_weights, kind));
-                let (exact, expected) = (trace(solution, &b), by_unit_vectors(solution, &b));
+                let out = |u: usize| solution.is_free(u);
+                let expected = by_unit_vectors(&*solution.factor, &b, &out);
+                let exact = trace(solution, &b);
                 assert!((exact - expected).abs() <= 1e-9 * expected, "{weights:?} {kind:?}: {exact} {expected}");
                 // the probes estimate the same number
-                let probed = by_probes(solution, &b);
+                let probed = by_probes(&*solution.factor, &b, &out);
                 let sd = (2.0 * equations.unknowns() as f64 / PROBES as f64).sqrt();
                 assert!((probed - expected).abs() <= 4.0 * sd, "{weights:?} {kind:?}: {probed} {expected}");
             }

@@ -53,10 +53,8 @@ pub(super) fn fit_rows(patch: &Patch, data: &Data, options: &FitOptions) -> Resu
 fn fit_in_place(patch: &Patch, data: &Data, options: &FitOptions, budget: &Budget) -> Result<Fitted, FitError> {
     match (options.smooth, options.robust) {
         (Smooth::Auto, _) => smoothing::fit_smoothed(patch, data, options, (fit_plain, budget)),
-        (Smooth::None | Smooth::Lambda(_) | Smooth::Third(_), Robust::None) => fit_plain(patch, data, options, budget),
-        (Smooth::None | Smooth::Lambda(_) | Smooth::Third(_), Robust::Huber | Robust::Tukey) => {
-            robust::fit_with_loss(patch, data, options, (fit_plain, budget))
-        }
+        (_, Robust::None) => fit_plain(patch, data, options, budget),
+        (_, Robust::Huber | Robust::Tukey) => robust::fit_with_loss(patch, data, options, (fit_plain, budget)),
     }
 }
 

@@ -51,6 +51,9 @@ impl Setting<'_> {
                 Some(Roughness::new(lambda, &patch.knots, RoughnessOrder::Second))
             }
             Smooth::Third(lambda) if lambda > 0.0 => Some(Roughness::new(lambda, &patch.knots, RoughnessOrder::Third)),
+            Smooth::Stretched { lambda, aspect } if lambda > 0.0 => {
+                Some(Roughness::stretched(lambda, &patch.knots, RoughnessOrder::Third, aspect))
+            }
             _ => None,
         };
         Ok(Setting { data, sites, scale: patch.frame.scale, roughness, method: options.method, budget })

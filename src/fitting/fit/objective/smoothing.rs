@@ -1,35 +1,27 @@
-//! `--smooth auto`: lambda by restricted maximum likelihood over the weighted rows.
+//! `--smooth auto`: what roughness costs, by restricted maximum likelihood over the weighted rows.
 //!
 //! ```text
-//! -2 l(lambda) = (N - M) ln(|b - E c|^2 + lambda c'Pc) + ln |E'E + lambda P| - (n - M) ln lambda
-//! its derivative by ln lambda = (N - M) lambda c'Pc / (|b - E c|^2 + lambda c'Pc) - (trace H - M)
-//! N rows, n unknowns, M of them free of roughness,   H = E (E'E + lambda P)^-1 E'
+//! degree 3 and more   lambda where bends are alike along x and y, and from there lambda with an aspect     third=LAMBDA,ASPECT
+//! below               lambda                                                                               LAMBDA
 //! ```
 //!
-//! S. Wood, *J. R. Statist. Soc. B* 73 (2011) 3. The surface is a draw of a process whose roughness is what it is told by; with as many
-//! unknowns as rows, where cross-validation often takes noise for shape, its minimum stays where it is. Rows are taken for independent;
-//! correlated errors (normals from overlapping neighbourhoods) make lambda too small. Third derivatives are penalised where the spline
-//! has some, so that curvatures cost nothing: these are what is asked.
+//! Third derivatives are penalised where the spline has some, so that curvatures cost nothing: these are what is asked.
 
-use crate::fit::linear;
-use crate::fit::linear::equations::Equations;
-use crate::fit::linear::solution::Solution;
-use crate::fit::noise::traces::hat_traces;
+mod likelihood;
+mod lowest;
+
 use crate::fit::notes::Note;
 use crate::fit::objective::PlainFit;
 use crate::fit::objective::budget::Budget;
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::objective::robust::fit_with_loss;
 use crate::fit::placing::Patch;
-use crate::fit::{FitError, FitOptions, Method, Smooth};
-use crate::observation::{Data, Roughness, RoughnessOrder};
+use crate::fit::{FitError, FitOptions, Smooth};
+use crate::observation::{Data, RoughnessOrder};
+use likelihood::RestrictedLikelihood;
+use lowest::{lowest_along, lowest_from};
 
-/// The search covers this many decades below and above the ratio of traces, where data and roughness weigh the same.
-const DECADES: [i32; 2] = [-14, 6];
-/// Halvings of the bracket around the minimum: 20 leave 1e-6 of a decade.
-const HALVINGS: usize = 20;
-
-/// Chooses lambda and fits with it.
+/// Chooses the smoothing and fits with it.
 ///
 /// # Errors
 /// Those of a fit with a given lambda.
@@ -40,70 +32,45 @@ pub(super) fn fit_smoothed(
     (plain, budget): (PlainFit, &Budget),
 ) -> Result<Fitted, FitError> {
     let order = RoughnessOrder::of_degrees(options.degree);
-    let smooth = |lambda: f64| match order {
-        RoughnessOrder::Second => Smooth::Lambda(lambda),
-        RoughnessOrder::Third => Smooth::Third(lambda),
-    };
-    let with = |lambda: f64| FitOptions { smooth: smooth(lambda), ..options.clone() };
+    let with = |smooth: Smooth| FitOptions { smooth, ..options.clone() };
     // noise sds and linearisation come from a fit with so little smoothing that it only makes the rank full
-    let start = fit_with_loss(patch, data, &with(1e-9), (plain, budget))?;
-    let Some(rough) = start.equations.roughness.clone() else { return Ok(start) };
-    let bare = start.equations.with_roughness(None);
-    let sum = |diagonal: Vec<f64>| diagonal.iter().sum::<f64>();
-    let balance = sum(bare.normal_matrix().diagonal()) / sum(rough.penalty.diagonal());
-    let slope = |exponent: f64| -> Option<f64> {
-        let lambda = balance * 10_f64.powf(exponent);
-        let equations = bare.with_roughness(Some(rough.weighing(lambda)));
-        let solution = linear::solve(&equations, Method::Cholesky).ok()?;
-        budget.take(&equations, &solution);
-        Some(slope_of(&equations, &solution)).filter(|slope| slope.is_finite())
+    let faint = match order {
+        RoughnessOrder::Second => Smooth::Lambda(1e-9),
+        RoughnessOrder::Third => Smooth::Third(1e-9),
     };
-    let lambda = balance * 10_f64.powf(lowest(DECADES, slope, budget));
-    let mut fitted = fit_with_loss(patch, data, &with(lambda), (plain, budget))?;
-    fitted.notes.push(Note::Smoothed { lambda, third: order == RoughnessOrder::Third });
+    let start = fit_with_loss(patch, data, &with(faint), (plain, budget))?;
+    let likelihood = RestrictedLikelihood::new(&start.equations, order, budget);
+    let balance = likelihood.balance();
+    let decade = |exponent: f64| balance * 10_f64.powf(exponent);
+    let found = lowest_along(|exponent| likelihood.slope(decade(exponent)), budget);
+    let chosen = match order {
+        RoughnessOrder::Second => Smooth::Lambda(decade(found.at)),
+        // where no lambda is the most likely one, no roughness has an aspect
+        RoughnessOrder::Third if found.is_bracketed => with_aspect(&likelihood, decade(found.at), budget),
+        RoughnessOrder::Third => Smooth::Stretched { lambda: rounded(decade(found.at)), aspect: 1.0 },
+    };
+    let mut fitted = fit_with_loss(patch, data, &with(chosen), (plain, budget))?;
+    fitted.notes.push(Note::Smoothed { chosen });
     Ok(fitted)
 }
 
-/// Derivative of -2 l by ln lambda at a solution.
-fn slope_of(equations: &Equations, solution: &Solution) -> f64 {
-    let Some(Roughness { lambda, penalty, order }) = &equations.roughness else { return 0.0 };
-    let c = &solution.coefficients;
-    let mut bent = vec![0.0; c.len()];
-    penalty.multiply(c, &mut bent);
-    let rough = lambda * c.iter().zip(&bent).map(|(c, b)| c * b).sum::<f64>();
-    let squares: f64 = equations.residual_squares(c).iter().sum();
-    let null = order.null_dimension() as f64;
-    let used = hat_traces(equations, solution).iter().sum::<f64>() - null;
-    let share = if squares + rough > 0.0 { rough / (squares + rough) } else { 0.0 };
-    (equations.count() as f64 - null).max(1.0) * share - used
+/// The most likely lambda and aspect, from the most likely lambda of an aspect of 1. What is varied are the logarithms of the weights of
+/// S_xxx^2 and S_yyy^2, which data tell nearly apart from each other.
+fn with_aspect(likelihood: &RestrictedLikelihood, start: f64, budget: &Budget) -> Smooth {
+    let meant =
+        |[along_x, along_y]: [f64; 2]| [start * (0.5 * (along_x + along_y)).exp(), ((along_x - along_y) / 6.0).exp()];
+    let slopes = |at: [f64; 2]| {
+        let [lambda, aspect] = meant(at);
+        let [by_lambda, by_aspect] = likelihood.slopes(lambda, aspect)?;
+        Some([0.5 * by_lambda + by_aspect / 6.0, 0.5 * by_lambda - by_aspect / 6.0])
+    };
+    let [lambda, aspect] = meant(lowest_from([0.0; 2], slopes, budget)).map(rounded);
+    Smooth::Stretched { lambda, aspect }
 }
 
-/// Where a function with this slope is lowest: the lowest of its values at the decades, by the trapezoidal rule, and from there where the
-/// slope turns from falling to rising. Places without a slope are left out; where the budget is spent, the middle of what is left.
-fn lowest([first, last]: [i32; 2], slope: impl Fn(f64) -> Option<f64>, budget: &Budget) -> f64 {
-    let known: Vec<(f64, f64)> = (first..=last).filter_map(|e| Some((f64::from(e), slope(f64::from(e))?))).collect();
-    let (mut value, mut best) = (0.0, (f64::INFINITY, 0));
-    for (k, (at, now)) in known.iter().enumerate() {
-        let before = known[k.saturating_sub(1)];
-        value += 0.5 * (now + before.1) * (at - before.0);
-        if value < best.0 {
-            best = (value, k);
-        }
-    }
-    let Some(&(middle, at_middle)) = known.get(best.1) else { return f64::from(last) };
-    let beside = if at_middle < 0.0 { known.get(best.1 + 1) } else { best.1.checked_sub(1).and_then(|k| known.get(k)) };
-    let Some(&(other, at_other)) = beside.filter(|(_, other)| other * at_middle < 0.0) else { return middle };
-    let (mut falling, mut rising) = if at_middle < at_other { (middle, other) } else { (other, middle) };
-    for _ in 0..HALVINGS {
-        let half = 0.5 * (falling + rising);
-        match slope(half) {
-            _ if budget.is_spent() => break,
-            Some(slope) if slope < 0.0 => falling = half,
-            Some(_) => rising = half,
-            None => break,
-        }
-    }
-    0.5 * (falling + rising)
+/// To four digits, by which a smoothing is easily named: far more than the data tell.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]
@@ -122,61 +89,13 @@ mod tests {
         Contacts::from_points(&(0..count).map(|_| one()).collect::<Vec<[f64; 3]>>())
     }
 
-    /// ln |A| by elimination without exchanges: A is positive definite.
-    fn log_det(equations: &Equations) -> f64 {
-        let matrix = equations.normal_matrix();
-        let n = matrix.order();
-        let column = |u: usize| {
-            let (mut unit, mut column) = (vec![0.0; n], vec![0.0; n]);
-            unit[u] = 1.0;
-            matrix.multiply(&unit, &mut column);
-            column
-        };
-        let mut a: Vec<Vec<f64>> = (0..n).map(column).collect();
-        let mut sum = 0.0;
-        for k in 0..n {
-            sum += a[k][k].ln();
-            for i in k + 1..n {
-                let factor = a[i][k] / a[k][k];
-                (k..n).for_each(|j| a[i][j] -= factor * a[k][j]);
-            }
-        }
-        sum
-    }
-
-    #[test]
-    fn the_slope_is_that_of_the_likelihood() {
-        let contacts = touched(80, 0.05, |x, y| (2.0 * x).sin() * y);
-        for (degree, order) in [(3, RoughnessOrder::Third), (2, RoughnessOrder::Second)] {
-            let options = FitOptions::default().with_degree(degree).with_segments(3, 3);
-            let bare = fit_contacts(&contacts, &options).unwrap().equations().clone();
-            let rough = Roughness::new(1.0, &bare.sites.knots(), order);
-            let solved = |lambda: f64| {
-                let equations = bare.with_roughness(Some(rough.weighing(lambda)));
-                let solution = linear::solve(&equations, Method::Cholesky).unwrap();
-                (equations, solution)
-            };
-            let minus_twice = |ln: f64| {
-                let (equations, solution) = solved(ln.exp());
-                let c = &solution.coefficients;
-                let mut bent = vec![0.0; c.len()];
-                rough.penalty.multiply(c, &mut bent);
-                let rough = ln.exp() * c.iter().zip(&bent).map(|(c, b)| c * b).sum::<f64>();
-                let squares: f64 = equations.residual_squares(c).iter().sum();
-                let null = order.null_dimension() as f64;
-                (equations.count() as f64 - null) * (squares + rough).ln() + log_det(&equations)
-                    - (c.len() as f64 - null) * ln
-            };
-            for ln in [-9.0, -4.0, 0.0] {
-                let (equations, solution) = solved(f64::exp(ln));
-                let expected = (minus_twice(ln + 1e-3) - minus_twice(ln - 1e-3)) / 2e-3;
-                let found = slope_of(&equations, &solution);
-                assert!(
-                    (found - expected).abs() < 1e-4 * expected.abs().max(1.0),
-                    "{order:?} {ln}: {found} {expected}"
-                );
-            }
-        }
+    fn chosen(contacts: &Contacts, options: &FitOptions) -> Smooth {
+        let fit = fit_contacts(contacts, &options.clone().with_smooth(Smooth::Auto)).unwrap();
+        let chosen = fit.notes().iter().find_map(|note| match note {
+            Note::Smoothed { chosen } => Some(*chosen),
+            _ => None,
+        });
+        chosen.unwrap()
     }
 
     /// With as many unknowns as rows: the curvatures of a cap are kept, and its noise is none of its shape.
@@ -192,13 +111,29 @@ mod tests {
         }
     }
 
+    /// Waves along one direction are smoothed along the other one, and turned waves the other way.
+    #[test]
+    fn waves_along_one_direction_have_an_aspect() {
+        let options = FitOptions::default().with_degree(4).with_segments(4, 4);
+        let [along_x, along_y] = [false, true].map(|turned| {
+            let contacts = touched(200, 0.02, |x, y| (3.0 * if turned { y } else { x }).sin());
+            match chosen(&contacts, &options) {
+                Smooth::Stretched { aspect, .. } => aspect,
+                other => panic!("{other}"),
+            }
+        });
+        assert!(along_x < 0.7 && along_y > 1.4, "{along_x} {along_y}");
+    }
+
     #[test]
     fn what_is_chosen_is_fitted_again_by_its_name() {
         let contacts = touched(150, 0.05, |x, y| (3.0 * x).sin() * y);
-        let options = FitOptions::default().with_degree(3).with_segments(6, 6);
-        let chosen = fit_contacts(&contacts, &options.clone().with_smooth(Smooth::Auto)).unwrap();
-        let named: Smooth = format!("third={}", chosen.smoothing()).parse().unwrap();
-        let again = fit_contacts(&contacts, &options.with_smooth(named)).unwrap();
-        assert_eq!(chosen.solution().coefficients, again.solution().coefficients);
+        for degree in [2, 3] {
+            let options = FitOptions::default().with_degree(degree).with_segments(6, 6);
+            let automatic = fit_contacts(&contacts, &options.clone().with_smooth(Smooth::Auto)).unwrap();
+            let named: Smooth = chosen(&contacts, &options).to_string().parse().unwrap();
+            let again = fit_contacts(&contacts, &options.with_smooth(named)).unwrap();
+            assert_eq!(automatic.solution().coefficients, again.solution().coefficients);
+        }
     }
 }

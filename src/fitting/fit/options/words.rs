@@ -148,6 +148,11 @@ impl Smooth {
     pub fn lambda(lambda: f64) -> Option<Smooth> {
         (lambda.is_finite() && lambda >= 0.0).then_some(Smooth::Lambda(lambda))
     }
+
+    /// Lambda and aspect; `None` unless lambda is not negative and the aspect above zero.
+    fn stretched([lambda, aspect]: [f64; 2]) -> Option<Smooth> {
+        (lambda >= 0.0 && aspect > 0.0).then_some(Smooth::Stretched { lambda, aspect })
+    }
 }
 
 impl FromStr for Smooth {
@@ -158,9 +163,13 @@ impl FromStr for Smooth {
             return Ok(*smooth);
         }
         let number = |text: &str| numbers::<1>(text).map(|[lambda]| lambda).filter(|l| l.is_finite() && *l >= 0.0);
-        let third = text.strip_prefix("third=").and_then(number).map(Smooth::Third);
-        let chosen = third.or_else(|| number(text).map(Smooth::Lambda));
-        chosen.ok_or_else(|| unknown("none, auto, LAMBDA >= 0 such as 1e-6, or third=LAMBDA for third derivatives"))
+        let chosen = match text.strip_prefix("third=") {
+            Some(third) => number(third).map(Smooth::Third).or_else(|| Smooth::stretched(numbers(third)?)),
+            None => number(text).map(Smooth::Lambda),
+        };
+        const EXPECTED: &str =
+            "none, auto, LAMBDA >= 0 such as 1e-6, or third=LAMBDA or third=LAMBDA,ASPECT for third derivatives";
+        chosen.ok_or_else(|| unknown(EXPECTED))
     }
 }
 
@@ -171,6 +180,7 @@ impl fmt::Display for Smooth {
             Smooth::Auto => f.write_str("auto"),
             Smooth::Lambda(lambda) => write!(f, "{lambda}"),
             Smooth::Third(lambda) => write!(f, "third={lambda}"),
+            Smooth::Stretched { lambda, aspect } => write!(f, "third={lambda},{aspect}"),
         }
     }
 }
@@ -191,7 +201,7 @@ mod tests {
         for sigma in ["auto", "0.02,5"] {
             assert_eq!(sigma.parse::<NormalSigma>().unwrap().to_string(), sigma);
         }
-        for smooth in ["none", "auto", "0.001"] {
+        for smooth in ["none", "auto", "0.001", "third=0.001", "third=0.001,1.25"] {
             assert_eq!(smooth.parse::<Smooth>().unwrap().to_string(), smooth);
         }
     }
@@ -202,5 +212,8 @@ mod tests {
         assert_eq!("turn".parse::<FrameChoice>().unwrap_err().to_string(), "keep or auto");
         assert!(SlopeWeights::explicit([0.0; 3]).is_none() && SlopeWeights::explicit([1.0, f64::NAN, 1.0]).is_none());
         assert!(NormalSigma::known(0.0, 1.0).is_none() && Smooth::lambda(-1.0).is_none());
+        for smooth in ["third=", "third=1,", "third=-1,1", "third=1,0", "third=1,2,3", "1,2"] {
+            assert!(smooth.parse::<Smooth>().is_err(), "{smooth}");
+        }
     }
 }

@@ -1,0 +1,29 @@
+//! What roughness costs.
+//!
+//! ```text
+//! none    LAMBDA (second derivatives)    third=LAMBDA (alike in all directions)    third=LAMBDA,ASPECT (stretched)    auto: one of these
+//! ```
+
+/// Thin-plate roughness penalty of a height field; of a parametric surface the weight of its fairness, in patch units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Smooth {
+    /// No penalty; a parametric surface, which needs some, takes `Auto` (`Lambda(0.0)` is none there too).
+    #[default]
+    None,
+    /// Chosen by the data: `Stretched`, or `Lambda` of splines below degree 3, by restricted maximum likelihood.
+    Auto,
+    /// `lambda * integral (S_xx^2 + 2 S_xy^2 + S_yy^2)` added to the weighted sum of squares.
+    Lambda(f64),
+    /// `lambda * integral (S_xxx^2 + 3 S_xxy^2 + 3 S_xyy^2 + S_yyy^2)` instead, x and y over the patch's length; height fields of degree 3
+    /// and more.
+    Third(f64),
+    /// `lambda * integral (a^3 S_xxx^2 + a S_xxy^2 + S_xyy^2 / a + S_yyy^2 / a^3)` with `a = aspect`: bends are so many times as long along
+    /// x as along y. Every derivative counts once, without the factor 3 of `Third`.
+    Stretched {
+        /// Weight of the roughness.
+        lambda: f64,
+        /// Length of bends along x over that along y.
+        aspect: f64,
+    },
+}
