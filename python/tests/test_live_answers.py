@@ -99,7 +99,7 @@ def test_the_event_loop_goes_on_while_the_engine_looks_and_the_source_waits() ->
 
     longest, ticks = asyncio.run(follow())
     # a source that waited in the event loop would let it tick no more than once a touch; a busy machine lets few ticks be late
-    assert ticks > 120 and longest < 1.0
+    assert ticks > 120 and longest < 5.0
 
 
 @pytest.mark.parametrize("form", ["plain", "awaited"])

@@ -33,7 +33,7 @@ def by_name(markers: list[dict]) -> dict[str, dict]:
 
 
 def test_recorded_messages_become_markers(touch_markers: Any) -> None:
-    follower = touch_markers.TouchFollower(say=pytest.fail)
+    follower = touch_markers.TouchFollower(say=pytest.fail, refresh=0.5)
     drawn = [by_name(follower.heard(line)) for line in recorded()]
     assert len(drawn) == 30 and follower.frame == "base" and len(follower.loop) == 30
     assert all({"contacts", "next", "words"} <= set(markers) for markers in drawn)
@@ -54,7 +54,7 @@ def test_recorded_messages_become_markers(touch_markers: Any) -> None:
 
 def test_faults_are_one_clear_line_each_and_nothing_is_lost(touch_markers: Any) -> None:
     said: list[str] = []
-    follower = touch_markers.TouchFollower(say=said.append)
+    follower = touch_markers.TouchFollower(say=said.append, refresh=1.0)
     good = recorded()
     other_frame = json.loads(good[0])
     other_frame["header"]["frame_id"] = "tool"
@@ -68,7 +68,7 @@ def test_faults_are_one_clear_line_each_and_nothing_is_lost(touch_markers: Any) 
     assert len(follower.loop) == len(good) and follower.left_out == len(said) == len(faults)
     assert all("no touch, left out" in words and "\n" not in words for words in said)
     assert "frame is 'tool', and the touches are in 'base'" in said[0]
-    clean = touch_markers.TouchFollower()
+    clean = touch_markers.TouchFollower(refresh=1.0)
     for line in good:
         clean.heard(line)
     assert clean.loop.finish().shape == follower.loop.finish().shape
@@ -76,7 +76,7 @@ def test_faults_are_one_clear_line_each_and_nothing_is_lost(touch_markers: Any) 
 
 def test_a_sensor_that_starts_anew_and_late_touches_count(touch_markers: Any) -> None:
     said: list[str] = []
-    follower = touch_markers.TouchFollower(say=said.append)
+    follower = touch_markers.TouchFollower(say=said.append, refresh=1.0)
     good = recorded()
     order = [*good[:10], good[11], good[10], *good[12:20], *good[:10]]
     for line in order:
@@ -86,14 +86,14 @@ def test_a_sensor_that_starts_anew_and_late_touches_count(touch_markers: Any) ->
 
 def test_the_touches_are_kept(touch_markers: Any, tmp_path: Path) -> None:
     state, good = tmp_path / "touches.json", recorded()
-    first = touch_markers.TouchFollower(state=state)
+    first = touch_markers.TouchFollower(state=state, refresh=1.0)
     for line in good[:15]:
         first.heard(line)
     first.close()
-    second = touch_markers.TouchFollower(state=state)
+    second = touch_markers.TouchFollower(state=state, refresh=1.0)
     for line in good[15:]:
         second.heard(line)
-    whole = touch_markers.TouchFollower()
+    whole = touch_markers.TouchFollower(refresh=1.0)
     for line in good:
         whole.heard(line)
     assert len(second.loop) == 30 and second.loop.finish().shape == whole.loop.finish().shape
@@ -147,7 +147,7 @@ class Node:
 
 def test_the_node_needs_no_ros(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, touch_markers: Any) -> None:
     state = tmp_path / "touches.json"
-    monkeypatch.setattr(Node, "values", {"state": str(state)})
+    monkeypatch.setattr(Node, "values", {"state": str(state), "refresh": 0.5})
 
     def spin(node: Node) -> None:
         lines = recorded()

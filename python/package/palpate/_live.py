@@ -237,8 +237,8 @@ class LiveLoop:
         >>> loop = LiveLoop(say=print)
         >>> loop.hear({"pose": {"position": {"x": 0, "y": 1, "z": 2}}}).touch
         1
-        >>> loop.hear({"pose": "unknown"}) is None
-        touches, line 2: columns x and y and z are missing; columns are found by their names; no touch, left out
+        >>> loop.hear((1, 2)) is None
+        touches, after touch 1: a touch is 3 numbers, or 6 with a normal, not 2; no touch, left out
         True
         """
         answer, words = self._heard(touch)

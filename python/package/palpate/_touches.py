@@ -84,7 +84,7 @@ def numbers_of(touch: Any) -> tuple[tuple[float, float, float], tuple[float, flo
     (((1.0, 2.0, 3.0), None), ((1.0, 2.0, 3.0), (0.0, 0.0, 1.0)))
     """
     try:
-        if isinstance(touch, Sequence) and len(touch) == 2:
+        if isinstance(touch, Sequence) and len(touch) == 2 and hasattr(touch[0], "__len__"):
             touch = [*touch[0], *(touch[1] if touch[1] is not None else ())]
         numbers = [float(number) for number in touch]
     except (TypeError, ValueError):
