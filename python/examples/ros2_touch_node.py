@@ -1,76 +1,116 @@
-"""A ROS 2 node that tells the shape under a finger after every touch.
+"""A ROS 2 node that answers every touch: what it is, how sure, and what to touch next.
 
-    /touch  geometry_msgs/PoseStamped    position: the contact, metres; orientation: its z axis is the outward normal
-    /shape  std_msgs/Float64MultiArray   S, u(S), R, u(R), number of touches;  layout.dim[0].label: the class
+    touch  geometry_msgs/PoseStamped        position: the contact; orientation: its z axis is the outward normal
+    shape  std_msgs/String                  the line of `palpate live --json` after every touch
+    marks  visualization_msgs/MarkerArray   surface, green where it is known and red where not; contacts; next touch; words
 
-The work is in `ShapeFollower`, which knows nothing of ROS; `tests/test_ros2_example.py` drives it, and the node itself with
-stand-ins for the messages. With ROS 2 sourced: python ros2_touch_node.py --ros-args -p domain:=[-0.05,0.05,-0.05,0.05]
+The work is in `touch_markers.py`, which knows nothing of ROS. Touches wait in a queue of their own and are answered in a thread, so that
+none is lost while all are looked at. With ROS 2 sourced:
+
+    python ros2_touch_node.py --ros-args -p state:=touches.json -p window:=500 -p until_radius:=0.001
+
+frame: the frame of the touches; that of the first one without. A sensor that is started anew goes on counting.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from queue import SimpleQueue
+from threading import Thread
+from typing import Any
 
-import palpate
-
-# sd of a height in metres, and of slopes: what a good force-torque fingertip does
-SIGMA = (2e-4, 0.05, 0.05)
-
-
-def normal_of(qx: float, qy: float, qz: float, qw: float) -> tuple[float, float, float]:
-    """The z axis of an orientation."""
-    return 2 * (qx * qz + qw * qy), 2 * (qy * qz - qw * qx), 1 - 2 * (qx * qx + qy * qy)
+from touch_markers import Marker, TouchFollower, message_of
 
 
-class ShapeFollower:
-    """Touches in, shapes out; touches that cannot be used are counted."""
+class TouchDesk:
+    """Answers messages in a thread, in the order in which they came."""
 
-    def __init__(self, domain: Sequence[float], sigma: Sequence[float] = SIGMA) -> None:
-        # degree 4 follows half a ball; 25 unknowns, three numbers a touch
-        self.stream = palpate.TouchStream(domain, sigma=sigma, degree=4)
-        self.refused = 0
+    def __init__(self, follower: TouchFollower, publish: Any) -> None:
+        self.follower, self.publish = follower, publish
+        self.waiting: SimpleQueue[Any] = SimpleQueue()
+        self.thread = Thread(target=self._work, name="palpate-desk")
+        self.thread.start()
 
-    def touch(
-        self, position: tuple[float, float, float], orientation: tuple[float, float, float, float]
-    ) -> palpate.StreamShape | None:
-        """The shape after this touch; None while there are too few, or where this one is of no use."""
-        try:
-            return self.stream.touch(*position, normal_of(*orientation))
-        except ValueError:
-            self.refused += 1
-            return None
+    def _work(self) -> None:
+        while (message := self.waiting.get()) is not None:
+            try:
+                drawn = self.follower.heard(message)
+                if drawn:
+                    self.publish(self.follower.loop.last, drawn)
+            except Exception as error:  # noqa: BLE001
+                # the touches that wait are still answered
+                self.follower.say(f"message {self.follower.messages}: {error}")
+
+    def close(self) -> None:
+        """Answers what waits, and keeps the touches."""
+        self.waiting.put(None)
+        self.thread.join()
+        self.follower.close()
 
 
-def shape_message(message: object, dimension: object, shape: palpate.StreamShape) -> object:
-    """Fills a Float64MultiArray and its one MultiArrayDimension."""
-    nan = float("nan")
-    s = nan if shape.shape_index is None else shape.shape_index
-    message.data = [s, shape.u_shape_index, shape.curvedness, shape.u_curvedness, float(shape.contacts)]
-    dimension.label, dimension.size, dimension.stride = shape.class_name or "undefined", 5, 5
-    message.layout.dim = [dimension]
-    return message
+def filled(marker: Any, drawn: Marker, point: Any, colour: Any) -> Any:
+    """A visualization_msgs/Marker of a drawing; point and colour make geometry_msgs/Point and std_msgs/ColorRGBA."""
+    marker.header.frame_id, marker.ns, marker.id = drawn["frame_id"], drawn["ns"], drawn["id"]
+    marker.type, marker.action = drawn["type"], drawn["action"]
+    marker.pose.orientation.w = 1.0
+    if "scale" in drawn:
+        marker.scale.x, marker.scale.y, marker.scale.z = drawn["scale"]
+    if "color" in drawn:
+        marker.color = _coloured(colour(), drawn["color"])
+    if "position" in drawn:
+        _placed(marker.pose.position, drawn["position"])
+    marker.points = [_placed(point(), place) for place in drawn.get("points", ())]
+    marker.colors = [_coloured(colour(), shade) for shade in drawn.get("colors", ())]
+    marker.text = drawn.get("text", "")
+    return marker
+
+
+def _placed(point: Any, place: Any) -> Any:
+    point.x, point.y, point.z = place
+    return point
+
+
+def _coloured(colour: Any, shade: Any) -> Any:
+    colour.r, colour.g, colour.b, colour.a = shade
+    return colour
+
+
+# parameters with the value that stands for none
+PARAMETERS = {"frame": "", "state": "", "window": 0, "until_radius": 0.0, "refresh": 0.05}
 
 
 def main() -> None:
     """Spins the node."""
     import rclpy
-    from geometry_msgs.msg import PoseStamped
+    from geometry_msgs.msg import Point, PoseStamped
     from rclpy.node import Node
-    from std_msgs.msg import Float64MultiArray, MultiArrayDimension
+    from std_msgs.msg import ColorRGBA, String
+    from visualization_msgs.msg import Marker as MarkerMessage
+    from visualization_msgs.msg import MarkerArray
 
     class TouchNode(Node):
         def __init__(self) -> None:
             super().__init__("palpate")
-            self.declare_parameter("domain", [-0.05, 0.05, -0.05, 0.05])
-            self.follower = ShapeFollower(self.get_parameter("domain").value)
-            self.out = self.create_publisher(Float64MultiArray, "shape", 10)
-            self.create_subscription(PoseStamped, "touch", self.touched, 50)
+            for name, value in PARAMETERS.items():
+                self.declare_parameter(name, value)
+            given = {name: self.get_parameter(name).value for name in PARAMETERS}
+            options = {name: value for name, value in given.items() if value or name == "refresh"}
+            self.shapes = self.create_publisher(String, "shape", 10)
+            self.marks = self.create_publisher(MarkerArray, "marks", 10)
+            self.desk = TouchDesk(TouchFollower(say=self.get_logger().warning, **options), self.publish)
+            # every touch counts: the queue is long, and what stands in it is only taken over
+            self.create_subscription(PoseStamped, "touch", self.touched, 1000)
 
         def touched(self, pose: PoseStamped) -> None:
-            p, q = pose.pose.position, pose.pose.orientation
-            shape = self.follower.touch((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
-            if shape is not None:
-                self.out.publish(shape_message(Float64MultiArray(), MultiArrayDimension(), shape))
+            self.desk.waiting.put(message_of(pose))
+
+        def publish(self, answer: Any, drawn: list[Marker]) -> None:
+            line = String()
+            line.data = json.dumps(answer.to_dict())
+            self.shapes.publish(line)
+            array = MarkerArray()
+            array.markers = [filled(MarkerMessage(), marker, Point, ColorRGBA) for marker in drawn]
+            self.marks.publish(array)
 
     rclpy.init()
     node = TouchNode()
@@ -79,6 +119,7 @@ def main() -> None:
     except KeyboardInterrupt:
         pass
     finally:
+        node.desk.close()
         node.destroy_node()
         rclpy.try_shutdown()
 

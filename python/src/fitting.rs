@@ -36,6 +36,12 @@ impl FitCore {
         Ok((PyBytes::new(py, &json), String::from_utf8_lossy(&table).into_owned()))
     }
 
+    /// The document that `palpate fit --save` writes as UTF-8: with support and uncertainty at every point.
+    fn saved<'py>(&self, py: Python<'py>, unit: Option<&str>) -> PyResult<Bound<'py, PyBytes>> {
+        let made = py.detach(|| self.answer.saved(unit)).map_err(|error| errors::fit_error(py, &error))?;
+        Ok(PyBytes::new(py, &made))
+    }
+
     /// How far each contact lies off the surface, input units; None of surfaces in space that were named, and of grids.
     fn residuals<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         let found = py.detach(|| self.answer.residuals()).map_err(|error| errors::fit_error(py, &error))?;

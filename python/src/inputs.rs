@@ -29,7 +29,8 @@ pub(crate) fn read_contacts<'py>(py: Python<'py>, name: &str, bytes: &[u8]) -> P
     }
 }
 
-fn columns_of(py: Python<'_>, contacts: Contacts) -> PyResult<Bound<'_, PyDict>> {
+/// Contacts as columns by their names, weights too.
+pub(crate) fn columns_of(py: Python<'_>, contacts: Contacts) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     let mut columns = vec![("x", contacts.x), ("y", contacts.y), ("z", contacts.z)];
     match contacts.orientation {

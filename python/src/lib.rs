@@ -11,12 +11,14 @@ mod arrays;
 mod attend;
 mod batch;
 mod contacts;
+mod differences;
 mod errors;
 mod evaluate;
 mod explorations;
 mod fitting;
 mod frontiers;
 mod inputs;
+mod live;
 mod options;
 mod scenes;
 mod stream;
@@ -31,6 +33,8 @@ mod _native {
     #[pymodule_export]
     use super::batch::{class_names, fit_batch};
     #[pymodule_export]
+    use super::differences::diff_documents;
+    #[pymodule_export]
     use super::explorations::{TouchPlanner, explore};
     #[pymodule_export]
     use super::fitting::{FitCore, adaptive_surface, fit_contacts, fit_grid, time_fit, unit_name};
@@ -38,6 +42,8 @@ mod _native {
     use super::frontiers::{frontier, frontier_of_contacts};
     #[pymodule_export]
     use super::inputs::{column_names, parts_of, read_contacts};
+    #[pymodule_export]
+    use super::live::LiveCore;
     #[pymodule_export]
     use super::scenes::{scene_contacts, scene_texts};
     #[pymodule_export]

@@ -11,16 +11,21 @@ from ._errors import (
     ExploreError,
     FitError,
     FrontierError,
+    LiveError,
     PalpateError,
     PlanError,
     RecognitionError,
     StudyError,
     SurfaceError,
 )
+from ._diff import FitDiff
 from ._explore import Exploration, ExploreStep, Known, TouchPlanner, explore, next_touches
 from ._fit import Fit, fit
 from ._frontier import Frontier, FrontierPick, frontier
+from ._live import LiveAnswer, LiveLoop, NextTouch, live
+from ._live_answers import live_answers
 from ._many import FitMany, fit_many, tiles
+from ._mesh import SurfaceMesh, surface_mesh
 from ._native import ParametricSurface, StreamShape, Surface, TouchStream, __version__
 from ._parts import Parts, parts
 from ._regressor import SurfaceRegressor
@@ -33,13 +38,18 @@ __all__ = [
     "ExploreError",
     "ExploreStep",
     "Fit",
+    "FitDiff",
     "FitError",
     "FitMany",
     "Frontier",
     "FrontierError",
     "FrontierPick",
     "Known",
+    "LiveAnswer",
+    "LiveError",
+    "LiveLoop",
     "Measure",
+    "NextTouch",
     "PalpateError",
     "ParametricSurface",
     "Parts",
@@ -53,6 +63,7 @@ __all__ = [
     "StudyMeasure",
     "Surface",
     "SurfaceError",
+    "SurfaceMesh",
     "SurfaceRegressor",
     "TouchPlanner",
     "TouchStream",
@@ -61,6 +72,8 @@ __all__ = [
     "fit",
     "fit_many",
     "frontier",
+    "live",
+    "live_answers",
     "merge",
     "next_touches",
     "parts",
@@ -68,5 +81,6 @@ __all__ = [
     "scenes",
     "simulate",
     "study",
+    "surface_mesh",
     "tiles",
 ]

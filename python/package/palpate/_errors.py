@@ -17,6 +17,7 @@ __all__ = [
     "ExploreError",
     "FitError",
     "FrontierError",
+    "LiveError",
     "PalpateError",
     "PlanError",
     "RecognitionError",
@@ -87,9 +88,13 @@ class ExploreError(PalpateError):
     """A scene that cannot be explored, or a fit by which no touches can be planned."""
 
 
+class LiveError(PalpateError):
+    """Options or a state of which no live loop can be made, or an answer that is not there yet."""
+
+
 class PlanError(PalpateError):
     """A stream of touches that cannot be made, or a touch that it refuses."""
 
 
 class SurfaceError(PalpateError):
-    """Knots and coefficients that make no surface."""
+    """Knots and coefficients that make no surface, or surfaces that cannot be compared."""

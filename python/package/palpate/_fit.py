@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from ._diff import FitDiff
+
 __all__ = ["Fit", "fit"]
 
 Pair = Union[int, tuple[int, int]]
@@ -65,8 +67,12 @@ class Fit:
         return cls.from_dict(json.loads(Path(path).read_text(encoding="utf-8")), Path(path).name)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes the document as JSON; `palpate show` and `load` read it."""
-        Path(path).write_text(json.dumps(self.to_dict()), encoding="utf-8")
+        """Writes the document as JSON, with support and uncertainty at every point; `palpate show`, `diff` and `load` read it."""
+        Path(path).write_bytes(self._saved())
+
+    def _saved(self) -> bytes:
+        """The bytes of the file that `palpate fit --save` writes."""
+        return json.dumps(self.to_dict()).encode() if self._core is None else self._core.saved(self._unit)
 
     def to_dict(self) -> dict[str, Any]:
         """The document palpate.fit/1: what `palpate fit --json` prints."""
@@ -179,6 +185,26 @@ class Fit:
         x, y = np.linspace(x0, x1, n), np.linspace(y0, y1, m)
         return {"x": x, "y": y, **surface.shape(x, y)}
 
+    def diff(self, other: Fit | dict[str, Any] | str | PathLike[str], *, grid: Pair | None = None) -> FitDiff:
+        """Compares this surface with another, each difference against its uncertainty, as `palpate diff` does.
+
+        other: a fit, its document, or the path of a saved surface (.json, .step, .igs). grid: points each way at which the two
+        are compared, 25 without. Raises SurfaceError where they have no part in common, lie with their free sides on opposite
+        sides, or are in two units. There is no verdict on documents of `to_dict` and fits that were pickled: they have left the
+        uncertainty at every point behind, which `save` keeps.
+
+        >>> import numpy as np, palpate
+        >>> x, y = (a.ravel() for a in np.meshgrid(np.linspace(-2, 2, 6), np.linspace(-2, 2, 6)))
+        >>> z = np.sqrt(36 - x**2) - 6
+        >>> fit, higher = (palpate.fit(x, y, z + h, normals=(x, 0 * x, z + 6)) for h in (0, 0.5))
+        >>> found = fit.diff(higher)
+        >>> found.same, round(found.differences["height"]["mean"], 3)
+        (False, 0.5)
+        """
+        from ._diff import diff
+
+        return diff(self, other, grid)
+
     def to_xarray(self, grid: Pair | None = None) -> xarray.Dataset:
         """The maps as a Dataset over x and y, with the document in its attributes; `from_xarray` goes back."""
         import xarray
@@ -216,9 +242,7 @@ class Fit:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Fit):
             return NotImplemented
-        own, theirs = dict(self.to_dict()), dict(other.to_dict())
-        own.pop("seconds"), theirs.pop("seconds")
-        return own == theirs
+        return _comparable(self.to_dict()) == _comparable(other.to_dict())
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -242,6 +266,13 @@ class Fit:
         rows.append(["radius", number(shape.radius), "", "", _ends(shape.radius_interval)])
         caption = f"{shape.class_name or 'no one class'}, {self.contacts} contacts"
         return html_table(caption, ["", "mean", "sd over the patch", "u", "interval"], rows)
+
+
+def _comparable(document: dict[str, Any]) -> dict[str, Any]:
+    """A document without its clock, and without what is written only into a file."""
+    surface = {name: part for name, part in document["surface"].items() if name != "support_map"}
+    rest = {name: part for name, part in document.items() if name not in ("seconds", "uncertainty")}
+    return {**rest, "surface": surface}
 
 
 def _ends(interval: tuple[float, float] | None) -> str:

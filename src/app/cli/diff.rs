@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::comparison::{ComparedSurface, NotComparable, Quantities, Side, compare};
+use crate::comparison::{ComparedSurface, Comparison, NotComparable, Quantities, Side, compare};
 use crate::io::{AnySurface, MOST_GRID_POINTS, Saved, exceeds, read_bytes, read_surface_bytes};
 use crate::report::{
     DiffDocument, FitDocument, PAGE_WIDTH, SurfacePart, TablePage, write_diff_csv, write_diff_picture,
@@ -17,8 +17,8 @@ use super::output::{columns, print};
 use super::provenance::provenance;
 use super::values;
 
-/// Points each way where `--grid` does not say.
-const GRID: [usize; 2] = [25, 25];
+/// Points each way where nothing says.
+pub(super) const DEFAULT_DIFF_GRID: [usize; 2] = [25, 25];
 
 /// Arguments of `palpate diff`.
 #[derive(Args)]
@@ -38,25 +38,9 @@ pub(super) fn diff(args: &DiffArgs) -> Result<(), Failure> {
     if args.a.as_os_str() == "-" && args.b.as_os_str() == "-" {
         return Err(Failure::Input("A and B cannot both be standard input".into()));
     }
-    let grid = args.grid.unwrap_or(GRID);
-    if exceeds(grid, MOST_GRID_POINTS) || grid.iter().any(|n| *n < 2) {
-        let [n, m] = grid;
-        return Err(Failure::Input(format!(
-            "--grid {n}x{m}: give 2 or more points each way, at most {MOST_GRID_POINTS} in all"
-        )));
-    }
-    let (a, b) = (Read::of(&args.a)?, Read::of(&args.b)?);
-    if let (Some(first), Some(second)) = (&a.unit, &b.unit)
-        && first != second
-    {
-        return Err(Failure::Input(format!(
-            "{} is in {first} and {} in {second}: fit both in one unit",
-            a.saved.file, b.saved.file
-        )));
-    }
+    let (a, b) = (ComparedFile::read(&args.a)?, ComparedFile::read(&args.b)?);
     args.output.prepare(&[&args.a, &args.b], &[])?;
-    let found = a.with(|a| b.with(|b| compare(a, b, grid))).map_err(|why| refusal(&a, &b, why))?;
-    let document = DiffDocument::of(&found, a.part(), b.part());
+    let (found, document) = compared(&a, &b, args.grid.unwrap_or(DEFAULT_DIFF_GRID))?;
     args.output.file("diff.json", &mut |out| write_json(&document, out))?;
     args.output.file("diff.csv", &mut |out| write_diff_csv(&found, out))?;
     args.output.file("diff.svg", &mut |out| write_diff_picture(&document, &found, out))?;
@@ -83,25 +67,55 @@ pub(super) fn diff(args: &DiffArgs) -> Result<(), Failure> {
     args.output.tell(&mut |out| write_diff_table(&document, columns(), out))
 }
 
+/// The two compared at so many points each way, and the document that says so.
+pub(super) fn compared(
+    a: &ComparedFile,
+    b: &ComparedFile,
+    grid: [usize; 2],
+) -> Result<(Comparison, DiffDocument), Failure> {
+    if exceeds(grid, MOST_GRID_POINTS) || grid.iter().any(|n| *n < 2) {
+        let [n, m] = grid;
+        return Err(Failure::Input(format!(
+            "--grid {n}x{m}: give 2 or more points each way, at most {MOST_GRID_POINTS} in all"
+        )));
+    }
+    if let (Some(first), Some(second)) = (&a.unit, &b.unit)
+        && first != second
+    {
+        return Err(Failure::Input(format!(
+            "{} is in {first} and {} in {second}: fit both in one unit",
+            a.saved.file, b.saved.file
+        )));
+    }
+    let found = a.with(|a| b.with(|b| compare(a, b, grid))).map_err(|why| refusal(a, b, why))?;
+    let document = DiffDocument::of(&found, a.part(), b.part());
+    Ok((found, document))
+}
+
 /// A surface that was read, with the degrees of freedom behind its uncertainties.
-struct Read {
+pub(super) struct ComparedFile {
     saved: Saved,
     dof: Option<f64>,
     recognised: bool,
     unit: Option<String>,
 }
 
-impl Read {
-    fn of(path: &Path) -> Result<Read, Failure> {
+impl ComparedFile {
+    fn read(path: &Path) -> Result<ComparedFile, Failure> {
         let (file, bytes) = read_bytes(path)?;
-        let saved = read_surface_bytes(&file, &bytes)?;
-        let document: Option<FitDocument> = serde_json::from_slice(&bytes).ok();
+        ComparedFile::of(file, &bytes)
+    }
+
+    /// From the bytes of a file by its name.
+    pub(super) fn of(file: String, bytes: &[u8]) -> Result<ComparedFile, Failure> {
+        let saved = read_surface_bytes(&file, bytes)?;
+        let document: Option<FitDocument> = serde_json::from_slice(bytes).ok();
         let dof = document.as_ref().and_then(|document| document.shape.curvedness.dof);
         let unit = document.as_ref().and_then(|document| document.unit.clone());
         let chosen = document.and_then(|document| document.fit.chosen);
         let recognised = chosen.is_some_and(|chosen| chosen.hypothesis.is_some());
         let dof = dof.filter(|_| saved.uncertainty.is_some());
-        Ok(Read { saved, dof, recognised, unit })
+        Ok(ComparedFile { saved, dof, recognised, unit })
     }
 
     fn part(&self) -> SurfacePart {
@@ -135,7 +149,7 @@ impl Read {
     }
 }
 
-fn refusal(a: &Read, b: &Read, why: NotComparable) -> Failure {
+fn refusal(a: &ComparedFile, b: &ComparedFile, why: NotComparable) -> Failure {
     let (first, second) = (&a.saved.file, &b.saved.file);
     Failure::Input(match why {
         NotComparable::OppositeSides => format!(

@@ -1,11 +1,13 @@
-//! What `fit`, `study`, `merge`, `frontier` and `explore` compute, for a program that holds the contacts already and wants no files: the Python
-//! package. It is no part of the public interface and changes without notice.
+//! What `fit`, `study`, `merge`, `frontier`, `explore`, `live` and `diff` compute, for a program that holds the contacts already and
+//! wants no files: the Python package. It is no part of the public interface and changes without notice.
 //!
 //! ```text
 //! contacts or a grid, options   ->  FitAnswer        -> palpate.fit/1
 //! arguments of `palpate study`  ->  StudyPlan -> StudyRun -> palpate.study/1, or a part for `palpate merge`
 //! arguments of `palpate frontier`                 -> palpate.frontier/1
 //! arguments of `palpate explore`                  -> palpate.explore/1, and the contacts
+//! arguments of `palpate live`, touches            -> LiveLoop -> palpate.live/1, touch by touch
+//! two documents                                   -> palpate.diff/1
 //! ```
 
 use std::path::PathBuf;
@@ -20,11 +22,14 @@ use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::Contacts;
 use palpate_studies::montecarlo::{Progress, Stopped, StudyState};
 
+pub use super::embedded_diff::diff;
 pub use super::embedded_fits::{AskedSurface, FitAnswer, FitRefusal, NamedArray, adaptive_spline_of, parts_of};
+pub use super::embedded_live::{LiveAnswer, LiveLoop, LiveReply, check_touch};
 use super::explore::{ExploreArgs, explore_in_memory};
 use super::failure::Failure;
 use super::frontier::is_scene;
 use super::frontier_args::FrontierArgs;
+use super::live::LiveArgs;
 use super::merge::join;
 use super::scene::{self, Source};
 use super::study_plan::{Plan, StudyArgs};
@@ -140,6 +145,21 @@ struct FrontierLine {
 struct ExploreLine {
     #[command(flatten)]
     args: ExploreArgs,
+}
+
+#[derive(Parser)]
+struct LiveLine {
+    #[command(flatten)]
+    args: LiveArgs,
+}
+
+/// A loop that answers every touch, from the arguments of `palpate live`, `-` first.
+///
+/// # Errors
+/// What the command line would say.
+pub fn live(arguments: Vec<String>) -> Result<LiveLoop, String> {
+    let LiveLine { args } = parsed("live", arguments)?;
+    LiveLoop::of(&args)
 }
 
 /// The verb and its arguments, read.

@@ -189,6 +189,19 @@ impl FitAnswer {
         })
     }
 
+    /// The document that `palpate fit --save` writes: with support and uncertainty point by point.
+    ///
+    /// # Errors
+    /// When the input's own rounding leaves no distinct knots.
+    pub fn saved(&self, unit: Option<&str>) -> Result<Vec<u8>, FitError> {
+        self.described(unit, |description| {
+            let mut json = Vec::new();
+            // a Vec takes every byte
+            let _ = write_json(&description.saved(), &mut json);
+            json
+        })
+    }
+
     /// The axes and the arrays of `maps.npz`, over another number of points where one is given.
     ///
     /// # Errors

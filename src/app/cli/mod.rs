@@ -17,7 +17,9 @@ mod describe;
 mod diff;
 #[doc(hidden)]
 pub mod embedded;
+mod embedded_diff;
 mod embedded_fits;
+mod embedded_live;
 mod examples;
 mod explain;
 mod explicit_model;

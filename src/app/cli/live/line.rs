@@ -51,7 +51,7 @@ fn kind(document: &FitDocument) -> (Option<&str>, Option<f64>) {
 }
 
 /// The line after touch `touch`, by the last look.
-pub(super) fn json_line(look: &LiveLook, touch: u64, seconds: f64) -> serde_json::Result<String> {
+pub(in crate::cli) fn json_line(look: &LiveLook, touch: u64, seconds: f64) -> serde_json::Result<String> {
     let document = look.document.as_ref().ok();
     let (kind, kind_probability) = document.map_or((None, None), |document| kind(document));
     let answer = match (document, look.touches == touch) {
@@ -75,7 +75,7 @@ pub(super) fn json_line(look: &LiveLook, touch: u64, seconds: f64) -> serde_json
 }
 
 /// The same in words.
-pub(super) fn text_line(look: &LiveLook, touch: u64) -> String {
+pub(in crate::cli) fn text_line(look: &LiveLook, touch: u64) -> String {
     let mut words = vec![touch.to_string()];
     match &look.document {
         Ok(document) => words.extend(answer_words(document)),

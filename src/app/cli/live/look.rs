@@ -14,7 +14,7 @@ use crate::cli::answer::{Question, answer, described};
 use crate::cli::found::{Found, Refusal};
 use crate::cli::options::FitFlags;
 use crate::io::Input;
-use crate::report::{Answer, FitDocument, ShapePart, compute_shape};
+use crate::report::{Answer, Description, FitDocument, ShapePart, compute_shape};
 use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::Contacts;
 use palpate_inference::recognition::Recognition;
@@ -33,9 +33,12 @@ const BESIDE: f64 = 0.05;
 /// Rounding that is no disagreement, as a share of the patch's size.
 const ROUNDING: f64 = 1e-9;
 
+/// Two axes, and maps over them by their names.
+pub(in crate::cli) type LookMaps = ([Vec<f64>; 2], Vec<(&'static str, ndarray::Array2<f64>)>);
+
 /// What some touches answer.
 #[derive(Debug)]
-pub(super) struct LiveLook {
+pub(in crate::cli) struct LiveLook {
     /// Touches that it is of.
     pub(super) contacts: usize,
     /// Touches that had ever come by then.
@@ -44,7 +47,9 @@ pub(super) struct LiveLook {
     pub(super) document: Result<Box<FitDocument>, String>,
     /// What to touch next.
     pub(super) next: Option<NextTouch>,
-    recognised: Option<Box<Recognition>>,
+    input: Input,
+    found: Option<Found>,
+    took: Duration,
 }
 
 impl LiveLook {
@@ -55,16 +60,30 @@ impl LiveLook {
         let count = contacts.len();
         let input = Input::Contacts(contacts);
         let found = answer(&input, &question).map_err(Refusal::words);
-        let document = found.as_ref().map_err(Clone::clone).and_then(|found| document(found, &input, clock.elapsed()));
+        let took = clock.elapsed();
+        let document = found.as_ref().map_err(Clone::clone).and_then(|found| document(found, &input, took));
         let next = match &input {
             Input::Contacts(contacts) => next_touch(found.as_ref().ok(), contacts, reach),
             Input::Grid(_) => None,
         };
-        let recognised = match found {
-            Ok(Found { answer: Answer::Recognised(found), .. }) => Some(found),
-            _ => None,
-        };
-        LiveLook { contacts: count, touches, document, next, recognised }
+        LiveLook { contacts: count, touches, document, next, input, found: found.ok(), took }
+    }
+
+    /// The document that `palpate fit --save` writes; `None` where there is no answer.
+    pub(in crate::cli) fn saved(&self) -> Result<Option<FitDocument>, String> {
+        Ok(self.described()?.map(|description| description.saved()))
+    }
+
+    /// The axes and the arrays of `maps.npz` that `palpate fit --out` writes; `None` where there is no answer.
+    pub(in crate::cli) fn maps(&self, points: Option<[usize; 2]>) -> Result<Option<LookMaps>, String> {
+        let Some(description) = self.described()? else { return Ok(None) };
+        let (grid, arrays) = description.map_arrays(points);
+        Ok(Some(([grid.x, grid.y], arrays)))
+    }
+
+    fn described(&self) -> Result<Option<Description<'_>>, String> {
+        let Some(found) = &self.found else { return Ok(None) };
+        described(found, &self.input, self.took.as_secs_f64(), found.notes.clone()).map(Some)
     }
 
     /// The shape, where there is an answer.
@@ -74,7 +93,7 @@ impl LiveLook {
 
     /// Whether one more touch agrees with the answer. Of what is no simple shape nothing is predicted, and growth alone decides.
     pub(super) fn agrees_with(&self, touch: &Contacts) -> bool {
-        let Some(found) = &self.recognised else { return true };
+        let Some(found) = self.recognised() else { return true };
         let place = [touch.x[0], touch.y[0], touch.z[0]];
         let [u, v] = found.chart_of(place);
         let sd = found.noise.sd_of_contact().max(ROUNDING * found.frame.scale);
@@ -85,6 +104,13 @@ impl LiveLook {
             angle <= AGREES_WITHIN * sd.max(ROUNDING.to_degrees())
         });
         is_near && is_along && is_within(found.chart(), [u, v])
+    }
+
+    fn recognised(&self) -> Option<&Recognition> {
+        match &self.found.as_ref()?.answer {
+            Answer::Recognised(found) => Some(found),
+            Answer::Adaptive(_) | Answer::Fitted(_) => None,
+        }
     }
 
     /// Whether so many touches more call for another look, if a look is due after this share of them.

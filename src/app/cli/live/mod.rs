@@ -8,10 +8,12 @@
 //! that look is. At the end all touches are looked at once more.
 
 mod goal;
+mod hearing;
 mod latency;
 mod line;
 mod look;
 mod next;
+mod session;
 mod source;
 mod state;
 mod store;
@@ -30,14 +32,16 @@ use super::options::OutputFlags;
 use super::output::print;
 use super::{interrupt, scene, values};
 
-use goal::{LiveGoal, half_of_radius};
 use latency::LatencyHistogram;
-use line::{LINE_SCHEMA, json_line, text_line};
-use look::LiveLook;
-use next::TouchReach;
+use line::LINE_SCHEMA;
 use source::{Incoming, LineSource, SceneSource, TouchSource, say};
-use state::LiveState;
-use store::TouchStore;
+
+pub(super) use hearing::{TouchHeard, TouchHearing};
+pub(super) use line::{json_line, text_line};
+pub(super) use look::LookMaps;
+pub(super) use next::TouchReach;
+pub(super) use session::{LiveOptions, LiveSession};
+pub(super) use state::{LiveState, checked};
 
 /// Arguments of `palpate live`.
 #[derive(Args)]
@@ -63,13 +67,13 @@ pub(super) struct LiveArgs {
     refresh: f64,
     /// Where touches may be made next; default: the rectangle of the touches so far, or of a scene's first sweep
     #[arg(long, value_parser = values::domain, value_name = "X0,X1,Y0,Y1", allow_hyphen_values = true)]
-    reach: Option<[f64; 4]>,
+    pub(super) reach: Option<[f64; 4]>,
     /// Where the sensor stood: the side of the surface that it saw is the free side
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::point)]
     viewpoint: Option<[f64; 3]>,
     /// Which columns are which, where their names do not tell: x=NAME,y=NAME,z=NAME
     #[arg(long, value_name = "x=NAME,..")]
-    columns: Option<ColumnNames>,
+    pub(super) columns: Option<ColumnNames>,
     /// Most touches of a scene, those of its own sweeps among them [default: 60]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000), value_name = "N")]
     contacts: Option<u32>,
@@ -81,7 +85,7 @@ pub(super) struct LiveArgs {
     save: Option<PathBuf>,
     /// Go on after the touches that an earlier --save has kept
     #[arg(long, value_name = "STATE")]
-    resume: Option<PathBuf>,
+    pub(super) resume: Option<PathBuf>,
     /// Print one JSON object a line
     #[arg(long)]
     json: bool,
@@ -103,6 +107,18 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl LiveArgs {
+    /// How touches that can be made there are answered.
+    pub(super) fn options(&self, reach: TouchReach) -> LiveOptions {
+        LiveOptions {
+            window: self.window.map(|window| window as usize),
+            refresh: self.refresh,
+            until_radius: self.until_radius,
+            until_shape: self.u_s.zip(self.u_r).map(<[f64; 2]>::from),
+            viewpoint: self.viewpoint,
+            reach,
+        }
+    }
+
     fn source(&self, before: Option<&LiveState>) -> Result<TouchSource, Failure> {
         if self.input == "-" || !is_scene(&self.input) {
             let for_scenes = [(self.contacts.is_some(), "--contacts"), (self.seed.is_some(), "--seed")];
@@ -125,17 +141,11 @@ impl LiveArgs {
     }
 }
 
-/// The touches so far and what is known of them.
-struct LiveSession<'a> {
+/// A session whose touches come from a source and whose answers are printed.
+struct LiveRun<'a> {
     args: &'a LiveArgs,
-    store: TouchStore,
-    reach: TouchReach,
-    goal: LiveGoal,
-    look: Option<LiveLook>,
-    /// The next touch is looked at with all others, whether it agrees or not.
-    is_due: bool,
+    session: LiveSession,
     latencies: LatencyHistogram,
-    looks: u64,
     saved: Instant,
 }
 
@@ -144,90 +154,50 @@ pub(super) fn live(args: &LiveArgs) -> Result<(), Failure> {
     OutputFlags::default().prepare(&[args.input.as_ref()], args.save.as_slice())?;
     let before = args.resume.as_deref().map(LiveState::read).transpose()?;
     let mut source = args.source(before.as_ref())?;
-    let store = TouchStore::new(args.window.map(|window| window as usize));
-    let store = match before {
-        Some(before) => store.with(before.contacts, before.touches),
-        None => store,
-    };
-    let mut session = LiveSession {
-        args,
-        store,
-        reach: source.reach(args.reach),
-        goal: LiveGoal::new(args.until_radius, args.u_s.zip(args.u_r).map(<[f64; 2]>::from)),
-        look: None,
-        is_due: true,
-        latencies: LatencyHistogram::new(),
-        looks: 0,
-        saved: Instant::now(),
-    };
+    let session = LiveSession::new(args.options(source.reach(args.reach)), before);
+    let mut run = LiveRun { args, session, latencies: LatencyHistogram::new(), saved: Instant::now() };
     // a scene that goes on touches where the touches before propose
-    if matches!(source, TouchSource::Scene(_)) && session.store.len() > 0 {
-        session.look_again();
+    if matches!(source, TouchSource::Scene(_)) && run.session.touches() > 0 {
+        run.session.look_again();
     }
     interrupt::gently();
-    let outcome = session.run(&mut source);
-    session.save(&source)?;
-    session.end(&source, outcome?)
+    let outcome = run.run(&mut source);
+    run.save(&source)?;
+    run.end(&source, outcome?)
 }
 
-impl LiveSession<'_> {
+impl LiveRun<'_> {
     /// Answers until something ends it, and says what.
     fn run(&mut self, source: &mut TouchSource) -> Result<&'static str, Failure> {
         loop {
-            match source.next(self.look.as_ref())? {
+            match source.next(self.session.look())? {
                 Incoming::Said(what) => say(&what),
                 Incoming::Touch(touch) => {
                     let clock = Instant::now();
-                    self.store.push(&touch);
-                    let is_fresh = self.is_due || self.calls_for_a_look(&touch);
-                    if is_fresh {
-                        self.look_again();
-                    }
-                    let shape = self.look.as_ref().and_then(LiveLook::shape);
-                    let reached = is_fresh && self.goal.is_reached_by(shape);
-                    self.is_due = is_fresh && self.goal.is_near();
+                    let outcome = self.session.touch(&touch);
                     self.write_line(clock)?;
                     self.latencies.add(clock.elapsed());
-                    if reached {
+                    if outcome.is_reached {
                         return Ok("goal");
                     }
-                    if is_fresh && self.saved.elapsed() >= SAVED_EVERY {
+                    if outcome.is_fresh && self.saved.elapsed() >= SAVED_EVERY {
                         self.save(source)?;
                     }
                 }
                 Incoming::End(why) => {
-                    self.look_at_the_end()?;
+                    let clock = Instant::now();
+                    if self.session.finish() {
+                        self.write_line(clock)?;
+                    }
                     return Ok(why);
                 }
             }
         }
     }
 
-    /// What came since the last look has no answer of its own yet.
-    fn look_at_the_end(&mut self) -> Result<(), Failure> {
-        let made = self.look.as_ref().map_or(0, |look| look.touches);
-        if self.store.len() == 0 || made == self.store.touches() {
-            return Ok(());
-        }
-        let clock = Instant::now();
-        self.look_again();
-        self.write_line(clock)
-    }
-
-    fn calls_for_a_look(&self, touch: &palpate_geometry::contact::Contacts) -> bool {
-        let touches = self.store.touches();
-        self.look.as_ref().is_none_or(|look| look.is_outgrown(touches, self.args.refresh) || !look.agrees_with(touch))
-    }
-
-    fn look_again(&mut self) {
-        let (contacts, touches) = (self.store.contacts(), self.store.touches());
-        self.look = Some(LiveLook::at(contacts, touches, self.args.viewpoint, &self.reach));
-        self.looks += 1;
-    }
-
     fn write_line(&self, clock: Instant) -> Result<(), Failure> {
-        let Some(look) = &self.look else { return Ok(()) };
-        let touch = self.store.touches();
+        let Some(look) = self.session.look() else { return Ok(()) };
+        let touch = self.session.touches();
         let line = match self.args.json {
             true => json_line(look, touch, clock.elapsed().as_secs_f64()).map_err(std::io::Error::from)?,
             false => text_line(look, touch),
@@ -237,7 +207,7 @@ impl LiveSession<'_> {
 
     fn save(&mut self, source: &TouchSource) -> Result<(), Failure> {
         let Some(path) = &self.args.save else { return Ok(()) };
-        let mut state = LiveState::new(self.store.touches(), self.store.contacts());
+        let mut state = self.session.state();
         source.remember(&mut state);
         self.saved = Instant::now();
         state.write(path)
@@ -245,12 +215,12 @@ impl LiveSession<'_> {
 
     /// Says how it ended.
     fn end(&self, source: &TouchSource, why: &'static str) -> Result<(), Failure> {
-        let touches = self.store.touches();
+        let touches = self.session.touches();
         if self.args.json {
             let line = serde_json::json!({
                 "schema": LINE_SCHEMA, "stopped": why, "touches": touches, "left_out": source.left_out(),
-                "fresh": self.looks, "p50_ms": self.latencies.quantile_ms(0.5), "p99_ms": self.latencies.quantile_ms(0.99),
-                "answers_per_second": self.latencies.rate(),
+                "fresh": self.session.looks(), "p50_ms": self.latencies.quantile_ms(0.5),
+                "p99_ms": self.latencies.quantile_ms(0.99), "answers_per_second": self.latencies.rate(),
             });
             print(&mut |out| writeln!(out, "{line}"))?;
         } else if !self.args.quiet {
@@ -265,15 +235,14 @@ impl LiveSession<'_> {
     fn last_words(&self, source: &TouchSource, why: &str) -> String {
         let times = &self.latencies;
         let [half, most] = [0.5, 0.99].map(|share| significant(times.quantile_ms(share), 3));
-        let mut words = vec![format!("{} touches, {} lines left out", self.store.touches(), source.left_out())];
+        let mut words = vec![format!("{} touches, {} lines left out", self.session.touches(), source.left_out())];
         if times.count() > 0 {
-            let rate = significant(times.rate(), 3);
+            let (looks, rate) = (self.session.looks(), significant(times.rate(), 3));
             words.push(format!(
-                "{} looks at all of them; half of the answers within {half} ms, 99 % within {most} ms, {rate} a second",
-                self.looks
+                "{looks} looks at all of them; half of the answers within {half} ms, 99 % within {most} ms, {rate} a second"
             ));
         }
-        words.extend(self.goal.is_any().then(|| self.of_goal(why)));
+        words.extend(self.session.has_goal().then(|| self.of_goal(why)));
         words.join("; ")
     }
 
@@ -281,12 +250,7 @@ impl LiveSession<'_> {
         if why == "goal" {
             return "the goal is reached".into();
         }
-        let half = self
-            .look
-            .as_ref()
-            .and_then(LiveLook::shape)
-            .and_then(half_of_radius)
-            .filter(|_| self.goal.radius.is_some());
+        let half = self.session.half_towards_goal();
         let known = half.map_or(String::new(), |half| format!(": the radius is known to +- {}", significant(half, 2)));
         format!("the goal is not reached{known}")
     }

@@ -28,7 +28,7 @@ const STEEPEST_NZ: f64 = 0.34;
 
 /// Where touches may be made.
 #[derive(Clone, Debug)]
-pub(super) enum TouchReach {
+pub(in crate::cli) enum TouchReach {
     /// In a rectangle of x and y, or in that of the touches so far.
     Rectangle(Option<[f64; 4]>),
     /// At one of these places.

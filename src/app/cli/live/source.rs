@@ -13,8 +13,9 @@ use crate::cli::failure::Failure;
 use crate::cli::interrupt;
 use crate::cli::until::LOOK;
 use crate::io::scene_file::SceneFile;
-use crate::io::{ColumnNames, IoError, LineHeard, TouchLines, visible};
+use crate::io::{ColumnNames, IoError, visible};
 
+use super::hearing::{TouchHeard, TouchHearing};
 use super::look::LiveLook;
 use super::next::TouchReach;
 use super::state::LiveState;
@@ -42,11 +43,7 @@ type Line = std::io::Result<Option<Vec<u8>>>;
 /// Touches from lines. A thread waits for them, so that an interrupt ends the waiting.
 pub(super) struct LineSource {
     lines: Receiver<Line>,
-    reader: TouchLines,
-    /// Time of the last touch.
-    time: Option<f64>,
-    /// Lines that were no touch.
-    left_out: u64,
+    hearing: TouchHearing,
 }
 
 impl LineSource {
@@ -73,64 +70,22 @@ impl LineSource {
                 }
             }
         });
-        let mut reader = TouchLines::new(&name, columns);
-        if let Some(header) = before.and_then(|before| before.header.as_ref()) {
-            reader.inherit(header);
-        }
-        Ok(LineSource { lines, reader, time: before.and_then(|before| before.time), left_out: 0 })
+        Ok(LineSource { lines, hearing: TouchHearing::new(&name, columns, before) })
     }
 
     fn heard(&mut self, line: Line) -> Option<Incoming> {
-        let line = match line {
-            Ok(Some(line)) => line,
-            Ok(None) => {
-                // it counts as a line, of which nothing is read
-                let _ = self.reader.hear(b"");
-                return Some(self.fault(&format!("longer than {LONGEST_LINE} bytes")));
-            }
-            Err(error) => return Some(Incoming::Said(format!("{}: cannot be read on: {error}", self.reader.file()))),
+        let heard = match line {
+            Ok(Some(line)) => self.hearing.hear(&line),
+            Ok(None) => self.hearing.hear_nothing(&format!("longer than {LONGEST_LINE} bytes")),
+            Err(error) => return Some(Incoming::Said(format!("{}: cannot be read on: {error}", self.hearing.name()))),
         };
-        match self.reader.hear(&line) {
-            Ok(LineHeard::Nothing) => None,
-            Ok(LineHeard::Names { again, note }) => self.named(again, note),
-            Ok(LineHeard::Touch { contact, time, note }) => {
-                let late = time.zip(self.time).is_some_and(|(time, before)| time < before);
-                let note = note.or_else(|| late.then(|| self.is_late(time, self.time)));
-                self.time = time.or(self.time);
-                if let Some(note) = note {
-                    say(&note);
-                }
-                Some(Incoming::Touch(contact))
+        match heard {
+            TouchHeard { touch: Some(touch), said } => {
+                said.iter().for_each(|said| say(said));
+                Some(Incoming::Touch(touch))
             }
-            Err(error) => Some(self.fault(&error.to_string())),
+            TouchHeard { touch: None, said } => said.map(Incoming::Said),
         }
-    }
-
-    fn named(&mut self, again: bool, note: Option<String>) -> Option<Incoming> {
-        let at = format!("{}, line {}", self.reader.file(), self.reader.line());
-        if again {
-            // its clock may have started anew, too
-            self.time = None;
-            let what = "names of columns again: the sensor was started anew, and its touches go on counting";
-            return Some(Incoming::Said(format!("{at}: {what}")));
-        }
-        note.map(|note| Incoming::Said(format!("{at}: {note}")))
-    }
-
-    fn is_late(&self, time: Option<f64>, before: Option<f64>) -> String {
-        let [time, before] = [time, before].map(Option::unwrap_or_default);
-        let at = format!("{}, line {}", self.reader.file(), self.reader.line());
-        format!("{at}: a touch of time {time} comes after one of {before}; it counts all the same")
-    }
-
-    fn fault(&mut self, what: &str) -> Incoming {
-        self.left_out += 1;
-        let (file, line) = (self.reader.file(), self.reader.line());
-        let place = format!("{file}, line {line}");
-        let what = what.strip_prefix(&place).unwrap_or(what.strip_prefix(file).unwrap_or(what));
-        // a line is left out as it is
-        let what = what.trim_start_matches([':', ',', ' ']).replace(" (or skip_invalid)", "");
-        Incoming::Said(format!("{place}: {what}; no touch, left out"))
     }
 }
 
@@ -175,7 +130,7 @@ impl TouchSource {
     /// Lines that were no touch.
     pub(super) fn left_out(&self) -> u64 {
         match self {
-            TouchSource::Lines(source) => source.left_out,
+            TouchSource::Lines(source) => source.hearing.left_out(),
             TouchSource::Scene(_) => 0,
         }
     }
@@ -183,7 +138,7 @@ impl TouchSource {
     /// Adds what the next run needs to go on.
     pub(super) fn remember(&self, state: &mut LiveState) {
         match self {
-            TouchSource::Lines(source) => (state.header, state.time) = (source.reader.header(), source.time),
+            TouchSource::Lines(source) => source.hearing.remember(state),
             TouchSource::Scene(source) => state.planned.clone_from(&source.hand.touches),
         }
     }

@@ -14,7 +14,7 @@ const STATE_SCHEMA: &str = "palpate.live.state/1";
 
 /// The file of `--save` and `--resume`.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct LiveState {
+pub(in crate::cli) struct LiveState {
     schema: String,
     /// Touches that ever came.
     pub(super) touches: u64,
@@ -30,12 +30,12 @@ pub(super) struct LiveState {
 
 impl LiveState {
     /// Of so many touches, of which these count.
-    pub(super) fn new(touches: u64, contacts: Contacts) -> LiveState {
+    pub(in crate::cli) fn new(touches: u64, contacts: Contacts) -> LiveState {
         LiveState { schema: STATE_SCHEMA.into(), touches, time: None, header: None, planned: Vec::new(), contacts }
     }
 
     /// Reads what an earlier run has left.
-    pub(super) fn read(path: &Path) -> Result<LiveState, Failure> {
+    pub(in crate::cli) fn read(path: &Path) -> Result<LiveState, Failure> {
         let (file, bytes) = read_bytes(path)?;
         let wrong = |why: String| Failure::Input(format!("--resume {file}: {why}"));
         let state: LiveState = serde_json::from_slice(&bytes)
@@ -43,7 +43,7 @@ impl LiveState {
         if state.schema != STATE_SCHEMA {
             return Err(wrong(format!("its schema is {:?}, and {STATE_SCHEMA} is needed", visible(&state.schema))));
         }
-        match with_known_normals(&state.contacts).check() {
+        match checked(&state.contacts) {
             // there may have been no touch yet
             Ok(()) | Err(ContactError::Empty) => Ok(state),
             Err(error) => Err(wrong(error.to_string())),
@@ -51,9 +51,14 @@ impl LiveState {
     }
 
     /// Writes it, whole or not at all.
-    pub(super) fn write(&self, path: &Path) -> Result<(), Failure> {
+    pub(in crate::cli) fn write(&self, path: &Path) -> Result<(), Failure> {
         Ok(write_atomically(path, &mut |out| Ok(serde_json::to_writer(out, self)?))?)
     }
+}
+
+/// Whether touches can be; a normal of zeros is one that is not known.
+pub(in crate::cli) fn checked(contacts: &Contacts) -> Result<(), ContactError> {
+    with_known_normals(contacts).check()
 }
 
 /// The contacts with some normal where none is known: that is written as zero, which is no fault here.
