@@ -81,25 +81,23 @@ def test_the_goal_ends_it_and_closes_the_source() -> None:
 
 
 def test_the_event_loop_goes_on_while_the_engine_looks_and_the_source_waits() -> None:
-    async def follow() -> tuple[float, int]:
-        longest, ticks, before = 0.0, 0, time.perf_counter()
+    async def follow() -> int:
+        ticks = 0
 
         async def tick() -> None:
-            nonlocal longest, ticks, before
+            nonlocal ticks
             while True:
                 await asyncio.sleep(0.001)
-                now = time.perf_counter()
-                longest, before, ticks = max(longest, now - before), now, ticks + 1
+                ticks += 1
 
         ticking = asyncio.create_task(tick())
         async for _ in palpate.live_answers(Source(touches(30), wait=0.02).plain(), refresh=0):
             pass
         ticking.cancel()
-        return longest, ticks
+        return ticks
 
-    longest, ticks = asyncio.run(follow())
-    # a source that waited in the event loop would let it tick no more than once a touch; a busy machine lets few ticks be late
-    assert ticks > 120 and longest < 5.0
+    # a source that waited in the event loop, or a look in it, would let it tick no more than once a touch
+    assert asyncio.run(follow()) > 60
 
 
 @pytest.mark.parametrize("form", ["plain", "awaited"])

@@ -173,12 +173,13 @@ fn too_few_runs_promise_nothing() {
     let runs = pick["replicates"].as_u64().unwrap();
     let errors =
         &found["points"].as_array().unwrap().iter().find(|point| point["label"] == pick["label"]).unwrap()["errors"];
-    let (upper, worst) = (errors["S"]["upper"].as_f64(), errors["S"]["worst"].as_f64().unwrap());
+    // on a busy machine nothing may have been judged yet
+    let (upper, worst) = (errors["S"]["upper"].as_f64(), errors["S"]["worst"].as_f64());
     // fewer than 59 widen it beyond anything that was seen
     match runs {
         0..5 => assert!(pick["met"] == false && upper.is_none(), "{pick}"),
         5..59 => assert!(upper.unwrap() > errors["S"]["rms"].as_f64().unwrap() * 1.2, "{errors}"),
-        _ => assert!(upper.unwrap() <= worst, "{errors}"),
+        _ => assert!(upper.unwrap() <= worst.unwrap(), "{errors}"),
     }
 }
 
