@@ -12,6 +12,7 @@ mod certificate;
 mod local_scale;
 mod marginal_likelihood;
 mod options;
+mod plan;
 mod plane;
 mod refinement;
 mod shape;
@@ -22,9 +23,12 @@ mod tests;
 
 pub use answer::{AdaptiveFit, AdaptiveReport};
 pub use options::{AdaptiveOptions, OutlierRule, RowVariances};
+pub use plan::{AdaptivePlan, RepeatedHeights, plan_adaptive};
 pub use refinement::RefinementRound;
 pub use shape::ShapeQuestion;
 pub use system::FitWork;
+
+use std::time::Duration;
 
 use crate::equations::{BlockWeights, CellSums, SortedContacts, patch_frame};
 use crate::error::HierarchyError;
@@ -56,26 +60,53 @@ use system::{System, timed};
 /// # Errors
 /// Faulty contacts or options, contacts outside of a given domain, contacts and roughness that leave a function undetermined.
 pub fn fit_adaptive(contacts: &Contacts, options: &AdaptiveOptions) -> Result<AdaptiveFit, HierarchyError> {
-    options.check()?;
-    contacts.check()?;
-    let ends =
-        |column: &[f64]| column.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], v| [lo.min(*v), hi.max(*v)]);
-    let domain = options.domain.unwrap_or_else(|| [ends(&contacts.x), ends(&contacts.y)]);
-    let frame = patch_frame(domain, ends(&contacts.z));
-    let mesh = base_mesh(domain, &frame, contacts.len(), options)?;
-    let mut sorting = std::time::Duration::ZERO;
-    let sorted = timed(&mut sorting, || SortedContacts::new(contacts, &frame, &mesh))?;
-    let (weights, declared) = match options.noise {
-        RowVariances::Known { heights, slopes } => {
-            let heights = heights / frame.scale;
-            (BlockWeights { heights: 1.0, slopes: (heights / slopes).powi(2) }, Some(heights * heights))
-        }
-        RowVariances::Estimated => (BlockWeights { heights: 1.0, slopes: 1.0 }, None),
-    };
-    let mut refinement = MeshRefinement::begin(options, &sorted, mesh, weights, declared)?;
-    refinement.work.sorting = sorting;
-    let system = refinement.run()?;
-    Ok(answered(refinement, system, frame))
+    let given = PreparedContacts::of(contacts, options)?;
+    let (refinement, system) = given.refined(options)?;
+    Ok(answered(refinement, system, given.frame))
+}
+
+/// Contacts in the order of the cells of a base grid, with what is known of their variances.
+struct PreparedContacts {
+    frame: Frame,
+    mesh: Mesh,
+    sorted: SortedContacts,
+    weights: BlockWeights,
+    declared: Option<f64>,
+    sorting: Duration,
+}
+
+impl PreparedContacts {
+    fn of(contacts: &Contacts, options: &AdaptiveOptions) -> Result<PreparedContacts, HierarchyError> {
+        options.check()?;
+        contacts.check()?;
+        let domain = options.domain.unwrap_or_else(|| [ends(&contacts.x), ends(&contacts.y)]);
+        let frame = patch_frame(domain, ends(&contacts.z));
+        let mesh = base_mesh(domain, &frame, contacts.len(), options)?;
+        let mut sorting = Duration::ZERO;
+        let sorted = timed(&mut sorting, || SortedContacts::new(contacts, &frame, &mesh))?;
+        let (weights, declared) = match options.noise {
+            RowVariances::Known { heights, slopes } => {
+                let heights = heights / frame.scale;
+                (BlockWeights { heights: 1.0, slopes: (heights / slopes).powi(2) }, Some(heights * heights))
+            }
+            RowVariances::Estimated => (BlockWeights { heights: 1.0, slopes: 1.0 }, None),
+        };
+        Ok(PreparedContacts { frame, mesh, sorted, weights, declared, sorting })
+    }
+
+    /// Cells split until nothing but noise is left.
+    fn refined<'a>(&'a self, options: &'a AdaptiveOptions) -> Result<(MeshRefinement<'a>, System), HierarchyError> {
+        let PreparedContacts { mesh, sorted, weights, declared, .. } = self;
+        let mut refinement = MeshRefinement::begin(options, sorted, mesh.clone(), *weights, *declared)?;
+        refinement.work.sorting = self.sorting;
+        let system = refinement.run()?;
+        Ok((refinement, system))
+    }
+}
+
+/// Least and largest number.
+fn ends(column: &[f64]) -> [f64; 2] {
+    column.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], v| [lo.min(*v), hi.max(*v)])
 }
 
 /// The base grid of nearly square cells in the patch's frame, no more of them than contacts can tell about.

@@ -118,6 +118,19 @@ impl SortedContacts {
         self.contacts.orientation != Orientation::None
     }
 
+    /// Puts other heights, and other slopes where there are some, in the place of those that are there; all in the order in which the
+    /// contacts came, heights in the patch's units.
+    pub(crate) fn measure_again(&mut self, height: impl Fn(usize) -> f64, slopes: Option<[&[f64]; 2]>) {
+        for (r, number) in self.numbers.iter().enumerate() {
+            self.contacts.z[r] = height(*number as usize);
+        }
+        if let (Orientation::Slopes { zx, zy }, Some([along_x, along_y])) = (&mut self.contacts.orientation, slopes) {
+            for (r, number) in self.numbers.iter().enumerate() {
+                (zx[r], zy[r]) = (along_x[*number as usize], along_y[*number as usize]);
+            }
+        }
+    }
+
     /// The contacts of a cell.
     pub fn of_cell(&self, mesh: &Mesh, cell: CellId) -> Range<usize> {
         let root = cell.ancestor(0).place.map(|k| k as usize);
