@@ -13,6 +13,7 @@ use palpate_hierarchical::HierarchyError;
 use palpate_hierarchical::adaptive::{AdaptiveFit, AdaptiveOptions, RowVariances, ShapeQuestion, fit_adaptive};
 
 use super::found::{Found, Refusal};
+use super::pixels::weighed_contacts_of;
 
 /// Points of the shape grid each way where none were typed: features of a hundredth of the patch count in the means.
 pub(super) const GRID: [usize; 2] = [65; 2];
@@ -47,7 +48,7 @@ pub(super) fn adaptive_model(
     options.check().map_err(Refusal::Fit)?;
     let contacts = match input {
         Input::Contacts(contacts) => Cow::Borrowed(contacts),
-        Input::Grid(grid) => Cow::Owned(grid.to_contacts()),
+        Input::Grid(grid) => Cow::Owned(weighed_contacts_of(grid)),
     };
     let asked = adaptive_options(typed.degree, options, bare).map_err(Refusal::Fit)?;
     let fit = fit_adaptive(&contacts, &asked).map_err(|error| refused(error, &contacts, options))?;
@@ -96,7 +97,7 @@ fn how(fit: &AdaptiveFit) -> String {
         0 => format!("nothing but noise is left with {cells} cells of one size: the contacts ask for no smaller ones"),
         deepest => {
             let times = 1_u64 << deepest;
-            format!("{cells} cells after {rounds} rounds, the smallest a {times}th of the largest in width")
+            format!("{cells} cells after {rounds} rounds, the smallest 1/{times} as wide as the largest")
         }
     }
 }

@@ -28,14 +28,25 @@ struct DetailRule {
 
 const RULE: DetailRule = DetailRule { fewest_contacts: 2_000, most_covered: 0.5, level: 0.7 };
 
-/// The adaptive surface that says more of the contacts than `smooth` does, where there is one.
+/// Whether a surface is of no simple form and stands level over x and y, so that an adaptive one can say more.
+pub(super) fn is_free_form(smooth: &Answer) -> bool {
+    match smooth {
+        Answer::Recognised(found) => {
+            found.hypothesis == Hypothesis::Displaced && found.frame.axes[2][2].abs() >= RULE.level
+        }
+        Answer::Fitted(FittedSurface::Height(fit)) => fit.frame().keeps_axes(),
+        _ => false,
+    }
+}
+
+/// The adaptive surface that says more of the contacts than `smooth`, a free form, does, where there is one.
 pub(super) fn local_detail(contacts: &Contacts, smooth: &Answer, options: &FitOptions) -> Option<AdaptiveFit> {
     if contacts.len() < RULE.fewest_contacts {
         return None;
     }
     let scatter = match smooth {
-        Answer::Recognised(found) => is_free_and_level(found).then(|| residuals_of(found, contacts))?,
-        Answer::Fitted(FittedSurface::Height(fit)) => fit.rms().z.filter(|_| fit.frame().keeps_axes())?,
+        Answer::Recognised(found) => residuals_of(found, contacts),
+        Answer::Fitted(FittedSurface::Height(fit)) => fit.rms().z?,
         _ => return None,
     };
     let domain = options.domain.map(|[x0, x1, y0, y1]| [[x0, x1], [y0, y1]]);
@@ -44,10 +55,6 @@ pub(super) fn local_detail(contacts: &Contacts, smooth: &Answer, options: &FitOp
     let gain = count * (scatter / report.rms).ln();
     let local = (0.0..RULE.most_covered).contains(&covered(fit.field())) && report.rounds.len() > 1;
     (local && gain > 0.5 * report.freedom? * count.ln()).then_some(fit)
-}
-
-fn is_free_and_level(found: &Recognition) -> bool {
-    found.hypothesis == Hypothesis::Displaced && found.frame.axes[2][2].abs() >= RULE.level
 }
 
 /// Root mean square distance of the contacts that belong to a surface.

@@ -2,6 +2,15 @@
 
 use palpate_geometry::contact::{Contacts, Grid};
 
+/// The same with the weights of their heights, where the grid has some.
+pub(super) fn weighed_contacts_of(grid: &Grid) -> Contacts {
+    let mut contacts = contacts_of(grid);
+    contacts.weights.z = grid.wz.as_ref().map(|weights| {
+        weights.iter().zip(&grid.z).filter(|(_, height)| height.is_finite()).map(|(weight, _)| *weight).collect()
+    });
+    contacts
+}
+
 /// With slopes where every one of these pixels has them.
 pub(super) fn contacts_of(grid: &Grid) -> Contacts {
     let (mut x, mut y, mut z, mut zx, mut zy) = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());

@@ -24,7 +24,8 @@ use palpate_inference::recognition::{
 use super::adaptive_model::{GRID, adaptive_found};
 use super::explicit_model::fit_input;
 use super::found::{Found, Refusal};
-use super::local_detail::local_detail;
+use super::local_detail::{is_free_form, local_detail};
+use super::pixels::weighed_contacts_of;
 use super::viewpoint::sees_from_below;
 use super::zero_weights::with_heights;
 
@@ -154,9 +155,12 @@ fn with_local_detail(
     options: &RecognitionOptions,
     request: &FitOptions,
 ) -> Option<Found> {
+    if !is_free_form(smooth) {
+        return None;
+    }
     let contacts = match input {
         Input::Contacts(contacts) => Cow::Borrowed(contacts),
-        Input::Grid(grid) => Cow::Owned(grid.to_contacts()),
+        Input::Grid(grid) => Cow::Owned(weighed_contacts_of(grid)),
     };
     // a height field is seen from above
     if options.viewpoint.is_some_and(|eye| sees_from_below(&contacts, eye)) {

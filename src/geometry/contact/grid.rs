@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, ArrayView2};
 
-use super::{ContactError, Contacts};
+use super::ContactError;
 
 /// A height map with optional slopes and weight maps. NaN in `z`, `zx` or `zy` means that this entry is missing.
 ///
@@ -60,21 +60,6 @@ impl Grid {
     /// Number of pixels, missing ones included.
     pub fn len(&self) -> usize {
         self.x.len() * self.y.len()
-    }
-
-    /// The pixels whose height is known, as contacts: with slopes where every one of them has both, with the weights of their heights.
-    pub fn to_contacts(&self) -> Contacts {
-        let known: Vec<(usize, usize)> = self.z.indexed_iter().filter(|(_, z)| !z.is_nan()).map(|(at, _)| at).collect();
-        let points: Vec<[f64; 3]> = known.iter().map(|at| [self.x[at.0], self.y[at.1], self.z[*at]]).collect();
-        let of = |map: &Option<Array2<f64>>| -> Option<Vec<f64>> {
-            map.as_ref().map(|map| known.iter().map(|at| map[*at]).collect())
-        };
-        let mut contacts = Contacts::from_points(&points);
-        contacts.weights.z = of(&self.wz);
-        match of(&self.zx).zip(of(&self.zy)) {
-            Some((zx, zy)) if zx.iter().chain(&zy).all(|slope| slope.is_finite()) => contacts.with_slopes(zx, zy),
-            _ => contacts,
-        }
     }
 
     /// Whether there are no pixels at all.

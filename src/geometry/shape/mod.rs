@@ -39,7 +39,7 @@ pub use maps::{Spread, spread};
 pub use outline::Outline;
 pub use parametric_maps::parametric_maps_at;
 pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
-pub use plane::{best_plane, chi_square_upper_tail, f_upper_tail};
+pub use plane::{PLANE_SIGNIFICANCE, best_plane, chi_square_upper_tail, f_upper_tail};
 pub use point_sds::PointSds;
 pub use pointwise::{ByJet, Uncertain, point_sds};
 pub use repeated_gradients::RepeatedGradients;

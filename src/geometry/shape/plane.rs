@@ -7,6 +7,9 @@
 
 use statrs::function::{beta::beta_reg, gamma::gamma_ur};
 
+/// The significance at which the best plane is rejected; below it a patch is taken as a plane.
+pub const PLANE_SIGNIFICANCE: f64 = 0.01;
+
 /// Upper tail of chi-square with `freedom` degrees: the p-value of the plane under declared sds.
 pub fn chi_square_upper_tail(value: f64, freedom: f64) -> f64 {
     if value <= 0.0 || freedom <= 0.0 {

@@ -12,12 +12,9 @@ use super::refinement::MeshRefinement;
 use super::system::System;
 use crate::equations::CellSums;
 
-/// Backward error of the coefficients in the equations of the last fit.
-pub(super) fn backward_error(refinement: &MeshRefinement, system: &System) -> f64 {
-    let degree = system.space.mesh().levels().degree();
-    let mut sums = CellSums::empty(system.space.leaves().len(), degree, refinement.contacts);
-    sums.add(refinement.contacts, &refinement.field, &refinement.residuals, refinement.shares.as_deref());
-    let (matrix, load) = system.pattern.assemble(&system.space, &sums, refinement.solved_weights);
+/// Backward error of the coefficients in the equations of the last fit; the sums are those of its residuals.
+pub(super) fn backward_error(refinement: &MeshRefinement, system: &System, sums: &CellSums) -> f64 {
+    let (matrix, load) = system.pattern.assemble(&system.space, sums, refinement.solved_weights);
     let rough = system.rough(&refinement.lambdas);
     let c = refinement.field.coefficients();
     let product = |values: &[f64], c: &[f64]| {

@@ -140,7 +140,9 @@ fn answered(mut refinement: MeshRefinement, system: System, frame: Frame) -> Ada
         .uncertainty
         .then(|| timed(&mut refinement.work.inverse, || SelectedInverse::of(&system.factor)))
         .flatten();
-    let traces = inverse.as_ref().map(|inverse| traces(&refinement, &system, inverse));
+    // of the last residuals, once for all that is told of the fit
+    let sums = refinement.options.uncertainty.then(|| last_sums(&refinement, &system));
+    let traces = sums.as_ref().zip(inverse.as_ref()).map(|(sums, inverse)| traces(&refinement, &system, sums, inverse));
     let [heights, slopes] = refinement.components(traces.unwrap_or_default());
     let declared = match refinement.options.noise {
         RowVariances::Known { slopes, .. } => Some(slopes),
@@ -151,7 +153,7 @@ fn answered(mut refinement: MeshRefinement, system: System, frame: Frame) -> Ada
     let mut outliers: Vec<usize> = outliers.map(|(r, _)| refinement.contacts.number(r)).collect();
     outliers.sort_unstable();
     let left_out = outliers.len();
-    let certified = refinement.options.uncertainty.then(|| backward_error(&refinement, &system));
+    let certified = sums.map(|sums| backward_error(&refinement, &system, &sums));
     let plane_p = traces.and_then(|[z, s]| plane_probability(&refinement, z + s));
     AdaptiveFit {
         inverse,
@@ -176,14 +178,19 @@ fn answered(mut refinement: MeshRefinement, system: System, frame: Frame) -> Ada
     }
 }
 
-/// Degrees of freedom that the surface takes of the heights and of the slopes: `tr (A + lambda P)^-1 A_k`.
-fn traces(refinement: &MeshRefinement, system: &System, inverse: &SelectedInverse) -> [f64; 2] {
+/// Sums of the contacts by cell about the surface that was found.
+fn last_sums(refinement: &MeshRefinement, system: &System) -> CellSums {
     let degree = system.space.mesh().levels().degree();
     let mut sums = CellSums::empty(system.space.leaves().len(), degree, refinement.contacts);
     sums.add(refinement.contacts, &refinement.field, &refinement.residuals, refinement.shares.as_deref());
+    sums
+}
+
+/// Degrees of freedom that the surface takes of the heights and of the slopes: `tr (A + lambda P)^-1 A_k`.
+fn traces(refinement: &MeshRefinement, system: &System, sums: &CellSums, inverse: &SelectedInverse) -> [f64; 2] {
     let weights = refinement.weights;
     let trace = |weights: BlockWeights| {
-        let (values, _) = system.pattern.assemble(&system.space, &sums, weights);
+        let (values, _) = system.pattern.assemble(&system.space, sums, weights);
         inverse.trace_with(system.pattern.starts(), system.pattern.rows(), &values)
     };
     let heights = trace(BlockWeights { slopes: 0.0, ..weights });

@@ -7,12 +7,9 @@
 use super::answer::AdaptiveFit;
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::shape::{
-    Interval, Outline, ShapeGrid, ShapeMaps, ShapeReport, Spread, Statistic, class_probabilities, normal_interval,
-    radius_of, shape_gradient,
+    Interval, Outline, PLANE_SIGNIFICANCE, ShapeGrid, ShapeMaps, ShapeReport, Spread, Statistic, class_probabilities,
+    normal_interval, radius_of, shape_gradient,
 };
-
-/// The significance at which the best plane is rejected, as of a height field of fixed knots.
-const PLANE_SIGNIFICANCE: f64 = 0.01;
 
 /// Where the shape is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -18,13 +18,11 @@ use interval::{NoisePart, statistic};
 use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::shape::{
-    GridGradients, Outline, ShapeGrid, ShapeMaps, ShapeReport, Statistic, class_probabilities, every_class, radius_of,
+    GridGradients, Outline, PLANE_SIGNIFICANCE, ShapeGrid, ShapeMaps, ShapeReport, Statistic, class_probabilities,
+    every_class, radius_of,
 };
 use palpate_geometry::surface::SurfacePoint;
 use uncertainty::Uncertainties;
-
-/// The significance at which the best plane is rejected; below it the patch is taken as a plane.
-const PLANE_SIGNIFICANCE: f64 = 0.01;
 
 /// Step 4: heights, derivatives, k1, k2, S and R over the grid of the options, in patch units.
 pub(super) fn shape_over_grid(solved: &Solved) -> ShapeMaps {
