@@ -174,3 +174,35 @@ fn an_interrupt_before_the_parts_are_known_says_what_is_kept() {
     assert!(message.contains("before the parts were known; the shape of every point is kept in p.csv"), "{message}");
     assert!(out.is_empty() && std::fs::read_to_string(here.join("p.csv")).unwrap().lines().count() > 1000);
 }
+
+/// What is started with a signal ignored goes on when that one comes, and keeps what it has when another comes.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_that_is_ignored_stays_so_and_the_others_are_heeded() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("ball.toml"), BALL).unwrap();
+    let line = "study ball.toml --replicates 1000000 --coverage --json";
+    for (ignored, heeded) in [("HUP", "INT"), ("HUP", "TERM"), ("INT", "HUP"), ("INT QUIT", "TERM")] {
+        let program = assert_cmd::cargo::cargo_bin("palpate");
+        let mut child = std::process::Command::new("sh")
+            .current_dir(folder.path())
+            .args(["-c", &format!("trap '' {ignored}; exec {} {line}", program.display())])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let send = |signal: &str| {
+            let of = child.id().to_string();
+            assert!(std::process::Command::new("kill").args(["-s", signal, &of]).status().unwrap().success());
+        };
+        std::thread::sleep(Duration::from_secs(3));
+        send(ignored.split(' ').next().unwrap());
+        std::thread::sleep(Duration::from_secs(1));
+        assert!(child.try_wait().unwrap().is_none(), "{ignored} ended it");
+        send(heeded);
+        let (code, out, message) = ends(child);
+        assert_eq!(code, Some(130), "{ignored} ignored, {heeded} sent: {message}");
+        assert!(message.contains("interrupted after") && message.contains("kept"), "{message}");
+        assert!(serde_json::from_str::<serde_json::Value>(&out).unwrap()["replicates"].as_u64().unwrap() > 0);
+    }
+}

@@ -57,6 +57,7 @@ mod save;
 mod scene;
 mod scenes;
 mod show;
+mod signals;
 mod simulate;
 mod study;
 mod study_plan;
@@ -161,15 +162,7 @@ pub fn main() -> ExitCode {
     if line.portable {
         palpate_numeric::simd::Isa::force_portable();
     }
-    // Without a handler Ctrl-C still ends the process, only less tidily. Whoever started it with a signal ignored, as nohup
-    // does, wants it ignored: then no handler is set.
-    let _ = ctrlc::try_set_handler(|| {
-        if interrupt::caught() {
-            return;
-        }
-        crate::io::remove_unfinished();
-        std::process::exit(130)
-    });
+    signals::heed();
     let outcome = match line.verb {
         Verb::Run(args) => run::run(&args),
         Verb::Simulate(args) => simulate::simulate(&args),
