@@ -1,6 +1,6 @@
 """What accuracy costs elsewhere: the points of other programs in palpate's frontier.
 
-    python benches/peers/frontier.py [--palpate target/release/palpate] [--record benches/runs]
+    python benches/peers/frontier.py [--palpate target/release/palpate] [--record benches/runs] [--beside target/peers.json]
 
     scene -> contacts of 32 seeds by `palpate simulate` -> S and R by every fitter, timed; the same answer judged by the truth
     scene -> `palpate frontier SCENE --keep-stations`   -> palpate's own points, of its own replicates of the scene
@@ -8,7 +8,7 @@
 Records have the keys of `palpate.frontier/1`, flattened as in its frontier.csv. Times are from arrays in memory to S and R on
 the grid, one thread; the median over the calls, with a bootstrap interval. Errors are root mean squares over the grid and
 the seeds. Those of palpate's points that stand on its frontier are fitted once more to the very contacts that the others got,
-so that nobody is judged by luckier contacts (column "same contacts").
+so that nobody is judged by luckier contacts (column "same contacts"). `palpate frontier SCENE --beside target/peers.json` draws them.
 """
 
 import argparse
@@ -209,6 +209,7 @@ def main():
     parser.add_argument("--palpate", default=str(ROOT / "target/release/palpate"))
     parser.add_argument("--seconds", type=float, default=30.0, help="for palpate's own frontier of each scene")
     parser.add_argument("--record", help="directory that takes peers-frontier.md and .csv")
+    parser.add_argument("--beside", type=Path, help="file for `palpate frontier SCENE --beside`")
     options = parser.parse_args()
     points = [
         p
@@ -219,6 +220,8 @@ def main():
     facts = {"python": platform.python_version(), **versions, "load": f"{os.getloadavg()[0]:.2f}"}
     page = frontier_page.page(points, facts)
     print(page)
+    if options.beside:
+        frontier_page.beside(options.beside, points)
     if options.record:
         frontier_page.write(Path(options.record), points, page)
 

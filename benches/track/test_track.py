@@ -5,6 +5,7 @@ import random
 import unittest
 
 from changes import LEAST_COUNT, of_counts, of_pairs
+from measure import read_counts
 from page import page, series
 
 PAIRS = 30
@@ -72,6 +73,16 @@ class Pages(unittest.TestCase):
         self.assertIn(39, marked["seconds", "study"])
         self.assertLessEqual(len(marked["seconds", "study"]), 3)
         self.assertEqual(marked["build", "program_bytes"], [])
+
+    def test_a_line_of_counts_alone_is_drawn(self):
+        said = "fit instructions (avx2)      1020000\nmap instructions   not counted: no valgrind\n1 counts, 1 of them in the baseline, 0 grew\n"
+        counts = read_counts(said)
+        self.assertEqual(counts, {"fit instructions (avx2)": 1_020_000})
+        line = {"commit": "0" * 40, "parent": "", "date": "2026-11-26", "subject": "more", "machine": "one"}
+        before = {**line, "counts": {"fit instructions (avx2)": 1_000_000}}
+        found = series([before, {**line, "counts": counts}])
+        self.assertEqual([point[4] for point in found["counts", "fit instructions (avx2)"]], [None, 1.02])
+        self.assertIn("+2.0 %", page([before, {**line, "counts": counts}]))
 
     def test_the_page_stands_by_itself(self):
         text = page(commits())

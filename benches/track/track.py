@@ -4,11 +4,13 @@
     python benches/track/track.py COMMIT|A..B [--last N] [--file target/track/track.jsonl] [--page target/track/track.html]
     python benches/track/track.py --page FILE.html --only-page
     python benches/track/track.py --self-check PROGRAM [--record benches/runs]
+    cargo bench --bench counts | python benches/track/track.py --counts -
 
 Each commit is built in a tree of its own, and one JSON line is appended for it: counts (`cargo bench --bench counts`), criterion's benches
 (`--criterion hot_path`), seconds of compiling its crates, bytes of the program, errors where the truth is known, and the processor time of
 a few commands beside its parent's, in turn. A commit that has a line on this machine already is left out. The page draws them all.
 
+`--counts FILE` appends a line of the counts alone that were printed for the commit that is checked out, as `.ci/run` does.
 `--built COMMIT=PROGRAM` takes a program that is there, and leaves out what needs a build. `--self-check` compares a program a hundred times
 with itself, and with itself doing 2 and 5 % more.
 """
@@ -60,7 +62,8 @@ def track(arguments):
     room = measure.ROOT / "target" / "track"
     given = dict(word.split("=", 1) for word in arguments.built)
     given = {measure.said("git", "rev-parse", name).strip(): pathlib.Path(path) for name, path in given.items()}
-    done = {line["commit"]: line for line in read(arguments.file) if line["machine"] == machine()}
+    # counts alone, as the checks append them, do not make a commit measured
+    done = {line["commit"]: line for line in read(arguments.file) if line["machine"] == machine() and "program_bytes" in line}
     programs = {}
 
     def built(commit):
@@ -76,12 +79,23 @@ def track(arguments):
         parent = measure.describe(commit)["parent"]
         before = programs.get(parent) or given.get(parent) or next(iter(room.glob(f"programs/{parent}")), None) if parent else None
         line = line_of(commit, own, before, arguments)
-        arguments.file.parent.mkdir(parents=True, exist_ok=True)
-        with arguments.file.open("a") as out:
-            out.write(json.dumps(line) + "\n")
+        append(arguments.file, line)
         if "tree" in own:
             measure.drop(own["tree"])
         print(commit[:9], line["subject"], flush=True)
+
+
+def append(file, line):
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with file.open("a") as out:
+        out.write(json.dumps(line) + "\n")
+
+
+def counted(counts):
+    """The line of these counts, of what is checked out; edits that are not committed are said, for no commit has them."""
+    line = {**measure.describe("HEAD"), "machine": machine(), "counts": counts}
+    line["commit"] = measure.said("git", "rev-parse", "HEAD").strip()
+    return {**line, "edited": True} if measure.said("git", "status", "--porcelain", "--untracked-files=no").strip() else line
 
 
 def self_check(program, pairs):
@@ -110,6 +124,7 @@ def main():
     parser.add_argument("--pairs", type=int, default=PAIRS)
     parser.add_argument("--criterion", nargs="*", default=["hot_path"])
     parser.add_argument("--built", nargs="*", default=[], metavar="COMMIT=PROGRAM")
+    parser.add_argument("--counts", type=argparse.FileType())
     parser.add_argument("--self-check", type=pathlib.Path, metavar="PROGRAM")
     parser.add_argument("--record", type=pathlib.Path)
     arguments = parser.parse_args()
@@ -123,7 +138,9 @@ def main():
             text = f"# Does the tracking tell a change from noise?\n\n`{command}`\n\n```text\n" + "\n".join(lines) + "\n```\n"
             (arguments.record / "track.md").write_text(text)
         return
-    if not arguments.only_page:
+    if arguments.counts:
+        append(arguments.file, counted(measure.read_counts(arguments.counts.read())))
+    elif not arguments.only_page:
         track(arguments)
     lines = read(arguments.file)
     if lines:

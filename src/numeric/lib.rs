@@ -5,6 +5,7 @@
 //! threads    work in pieces, the same bits         bspline   N_i(x), its derivatives and their Gram matrices
 //! linalg     E'WE in its structures                solve     Cholesky, QR, fast diagonalisation of those structures
 //! levenberg_marquardt  damped steps over any residual model          brent     the peak of a function of one number
+//! work       a counter of multiply-adds
 //! statistics medians, quantiles, robust scales and losses
 //! ```
 //!
@@ -20,6 +21,7 @@ pub mod solve;
 pub mod statistics;
 pub mod threads;
 pub mod vector;
+pub mod work;
 
 /// This floor by the names that users of `palpate` know, for the examples in its documentation.
 #[doc(hidden)]

@@ -191,9 +191,9 @@ fn a_signal_that_is_ignored_stays_so_and_the_others_are_heeded() {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
+        let of = child.id().to_string();
         let send = |signal: &str| {
-            let of = child.id().to_string();
-            assert!(std::process::Command::new("kill").args(["-s", signal, &of]).status().unwrap().success());
+            assert!(std::process::Command::new("kill").args(["-s", signal, of.as_str()]).status().unwrap().success());
         };
         std::thread::sleep(Duration::from_secs(3));
         send(ignored.split(' ').next().unwrap());

@@ -2,6 +2,7 @@
 
 import csv
 import datetime
+import json
 
 
 def spell(seconds):
@@ -59,6 +60,24 @@ def rows(points):
             f"| {p['case']} | {p['program']} | {p['label']} | {' | '.join(errors)} | {spell(number(p, 'seconds.median'))} |"
         )
     return lines
+
+
+def nested(point):
+    """A record with the keys that JSON has: `seconds.median` is the median of the seconds."""
+    out = {}
+    for key, value in point.items():
+        *outer, last = key.split(".")
+        inner = out
+        for name in outer:
+            inner = inner.setdefault(name, {})
+        inner[last] = value
+    return out
+
+
+def beside(file, points):
+    """The points of other programs, as `palpate frontier SCENE --beside FILE` takes them."""
+    others = [nested(point) for point in points if point["program"] != "palpate"]
+    file.write_text(json.dumps({"points": others}, indent=1) + "\n")
 
 
 def write(folder, points, text):

@@ -18,6 +18,7 @@ use palpate_studies::frontier::orders;
 
 use super::failure::Failure;
 use super::frontier_args::FrontierArgs;
+use super::frontier_beside::beside;
 use super::output::{columns, print};
 use super::provenance::provenance;
 use super::{frontier_input, frontier_scene, interrupt, scene};
@@ -33,6 +34,9 @@ pub(super) fn frontier(args: &FrontierArgs) -> Result<(), Failure> {
         Some(frontier_input::measure(args, subject, request.as_ref(), &|_, _| true)?)
     };
     let Some(mut document) = found else { return Ok(()) };
+    if let Some(file) = &args.beside {
+        document.beside = beside(file, subject, &document.scene)?;
+    }
     document.seconds = began.elapsed().as_secs_f64();
     publish(args, &document)?;
     if interrupt::asked() {

@@ -43,6 +43,9 @@ pub(super) struct FrontierArgs {
     /// Print every way that no other beats; of a scene also the ways to solve the equations and to an interval
     #[arg(long)]
     pub(super) all: bool,
+    /// Draw and list what other programs do with the same scene, from a file like frontier.json
+    #[arg(long, value_name = "F")]
+    pub(super) beside: Option<PathBuf>,
     /// Say where the time of a fit and of a replicate goes
     #[arg(long)]
     pub(super) stages: bool,
@@ -51,7 +54,7 @@ pub(super) struct FrontierArgs {
     pub(super) count: Option<Option<f64>>,
     /// Measure the order of accuracy of every degree instead, on surfaces that are known
     #[arg(long, conflicts_with_all = ["subject", "error_s", "error_r", "budget",
-          "emit", "keep_stations", "seed", "seconds", "all", "stages", "count", "out"])]
+          "emit", "keep_stations", "seed", "seconds", "all", "beside", "stages", "count", "out"])]
     pub(super) orders: bool,
     /// Make every call once for whoever counts
     #[arg(long, hide = true)]

@@ -331,6 +331,7 @@ fn empty_document() -> FrontierDocument {
         points: Vec::new(),
         shortlist: Vec::new(),
         recommended: None,
+        beside: Vec::new(),
         stages: Vec::new(),
         pick: None,
         notes: Vec::new(),

@@ -29,6 +29,7 @@ mod fit;
 mod found;
 mod frontier;
 mod frontier_args;
+mod frontier_beside;
 mod frontier_counts;
 mod frontier_emit;
 mod frontier_input;

@@ -104,6 +104,8 @@ pub(crate) struct FrontierRecord {
     pub seconds: Option<Clocked>,
     /// Time of a call with intervals.
     pub seconds_interval: Option<Clocked>,
+    /// Multiply-adds of a call without intervals, by palpate's own counter: the same in every run.
+    pub multiply_adds: Option<u64>,
     /// Instructions of a call without intervals.
     pub instructions: Option<u64>,
     /// Instructions of a call with intervals.
@@ -167,6 +169,24 @@ pub(crate) struct RecommendedPart {
     pub why: String,
 }
 
+/// What another program does with the same contacts.
+#[derive(Clone, Debug, Serialize)]
+#[allow(non_snake_case, reason = "keys of the document")]
+pub(crate) struct BesidePart {
+    /// Its name.
+    pub program: String,
+    /// What it was told to do.
+    pub label: String,
+    /// Error of S and R together.
+    pub error: f64,
+    /// Root mean square error of S.
+    pub error_S: Option<f64>,
+    /// The same of R, 1/length.
+    pub error_R: Option<f64>,
+    /// Seconds of a call.
+    pub seconds: f64,
+}
+
 /// One stage of a fit or of a replicate.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct StagePart {
@@ -207,6 +227,8 @@ pub(crate) struct FrontierDocument {
     pub shortlist: Vec<usize>,
     /// What to take where nothing is asked for.
     pub recommended: Option<RecommendedPart>,
+    /// What other programs do with the same contacts, as they were told of.
+    pub beside: Vec<BesidePart>,
     /// Where the time of a fit and of a replicate goes.
     pub stages: Vec<StagePart>,
     /// What was picked.
@@ -215,6 +237,16 @@ pub(crate) struct FrontierDocument {
     pub notes: Vec<String>,
     /// Seconds that all of this took.
     pub seconds: f64,
+}
+
+/// Whether none of these is quicker and as accurate, or as quick and more accurate.
+pub(super) fn is_unbeaten(part: &BesidePart, of: &[BesidePart]) -> bool {
+    let beats = |other: &BesidePart| {
+        other.seconds <= part.seconds
+            && other.error <= part.error
+            && (other.seconds, other.error) != (part.seconds, part.error)
+    };
+    !of.iter().any(beats)
 }
 
 impl FrontierRecord {
@@ -247,6 +279,7 @@ impl FrontierRecord {
             coverage: CoveragePart { shape_index: covered_s, curvedness: covered_r },
             seconds: point.seconds,
             seconds_interval: point.seconds_interval,
+            multiply_adds: point.multiply_adds,
             instructions: point.instructions,
             instructions_interval: point.instructions_interval,
             memory_bytes: point.memory,

@@ -12,8 +12,11 @@ const BAR: f64 = 20.0;
 
 /// All frontiers, one after the other.
 pub(super) fn long_tables(document: &FrontierDocument, text: &mut String) {
-    let _ =
-        writeln!(text, "\ninstructions: {}; {}; * no other way is certainly better", document.counter, document.isa);
+    let _ = writeln!(
+        text,
+        "\ninstructions: {}; work: multiply-adds; {}; * no other way is certainly better",
+        document.counter, document.isa
+    );
     let ways = if judged_by_contacts(document) { ["height", "normal"] } else { ["error S", "error R"] };
     for (frontier, head) in
         [("discretisation", ways), ("solver", ["digits", "error"]), ("interval", ["holds S", "ends"])]
@@ -34,23 +37,24 @@ fn frontier_lines(document: &FrontierDocument, frontier: &str, head: [&str; 2], 
     shown.sort_by(|a, b| a.case.cmp(&b.case).then(least(a).total_cmp(&least(b))));
     let _ = writeln!(text, "\n{frontier}: {} of {} points, {failed} without an answer", shown.len(), all.len());
     let [first, second] = head;
-    let count = if counted(&shown) { "count" } else { "" };
-    let _ = writeln!(text, "  {first:>8} {second:>8} {:>8} {count:>7}", "time");
-    let with_count = counted(&shown);
+    // instructions where they were asked for, else what palpate counts itself
+    let counts: [(&str, Count); 2] =
+        [("instr.", |record| record.instructions), ("work", |record| record.multiply_adds)];
+    let count = counts.into_iter().find(|(_, of)| shown.iter().any(|record| of(record).is_some()));
+    let _ = writeln!(text, "  {first:>8} {second:>8} {:>8} {:>7}", "time", count.map_or("", |(name, _)| name));
     for record in shown {
-        record_line(record, frontier, with_count, text);
+        record_line(record, frontier, count.map(|(_, of)| of), text);
     }
 }
 
-fn counted(records: &[&FrontierRecord]) -> bool {
-    records.iter().any(|record| record.instructions.is_some())
-}
+/// What is counted of a call.
+type Count = fn(&FrontierRecord) -> Option<u64>;
 
 fn least(record: &FrontierRecord) -> f64 {
     record.seconds.map_or(f64::INFINITY, |time| time.least)
 }
 
-fn record_line(record: &FrontierRecord, frontier: &str, counted: bool, text: &mut String) {
+fn record_line(record: &FrontierRecord, frontier: &str, count: Option<Count>, text: &mut String) {
     let number = |value: Option<f64>| value.map_or("-".into(), |v| significant(v, 2));
     let values = match (frontier, &record.errors) {
         ("solver", _) => [record.digits, record.error],
@@ -67,8 +71,8 @@ fn record_line(record: &FrontierRecord, frontier: &str, counted: bool, text: &mu
     let seconds = record.seconds.map_or("-".into(), |seconds| time(seconds.least));
     let mark = if record.on_frontier { "*" } else { " " };
     let _ = write!(text, "{mark} {first:>8} {second:>8} {seconds:>8} ");
-    if counted {
-        let count = record.instructions.map_or("-".into(), |count| significant(count as f64, 3));
+    if let Some(of) = count {
+        let count = of(record).map_or("-".into(), |count| significant(count as f64, 3));
         let _ = write!(text, "{count:>7} ");
     }
     let _ = writeln!(text, "{name}");

@@ -40,6 +40,7 @@ pub(super) fn full_frontier() -> FrontierDocument {
         coverage: CoveragePart { shape_index: share, curvedness: share },
         seconds: Some(seconds),
         seconds_interval: Some(seconds),
+        multiply_adds: Some(1),
         instructions: Some(1),
         instructions_interval: Some(1),
         memory_bytes: Some(1),
@@ -61,6 +62,14 @@ pub(super) fn full_frontier() -> FrontierDocument {
         points: vec![record],
         shortlist: vec![0],
         recommended: Some(RecommendedPart { point: 0, label: "a label".into(), why: "why".into() }),
+        beside: vec![BesidePart {
+            program: "another".into(),
+            label: "its way".into(),
+            error: 0.5,
+            error_S: half,
+            error_R: half,
+            seconds: 0.5,
+        }],
         stages: vec![StagePart {
             of: "fit".into(),
             stage: "rows".into(),
@@ -95,7 +104,9 @@ pub(super) fn empty_frontier() -> FrontierDocument {
         (record.errors, record.coverage) = (AllErrorsPart::default(), CoveragePart::default());
         (record.seconds, record.seconds_interval) = (None, None);
         (record.instructions, record.instructions_interval, record.memory_bytes) = (None, None, None);
+        record.multiply_adds = None;
     }
+    document.beside.iter_mut().for_each(|part| (part.error_S, part.error_R) = (None, None));
     document.recommended = None;
     if let Some(pick) = &mut document.pick {
         (pick.error_S, pick.error_R, pick.obstacle, pick.scene) = (None, None, None, None);

@@ -5,7 +5,7 @@ use std::io::Write;
 
 use super::charts::time;
 use super::fold::folded;
-use super::frontier::{FrontierDocument, FrontierRecord};
+use super::frontier::{BesidePart, FrontierDocument, FrontierRecord, is_unbeaten};
 use super::frontier_long::{long_tables, stage_lines};
 use super::frontier_words::{command, judged_by_contacts, short, way};
 use super::table::significant;
@@ -29,6 +29,7 @@ pub(crate) fn write_frontier_table(
 ) -> std::io::Result<()> {
     let mut text = head(document, width);
     rows(document, &mut text);
+    rows_beside(document, &mut text);
     let mut lines = Vec::new();
     pick_lines(document, &mut lines);
     recommended_lines(document, &mut lines);
@@ -109,6 +110,17 @@ fn rows(document: &FrontierDocument, text: &mut String) {
         }
         let seconds = record.seconds.map_or("-".into(), |seconds| time(seconds.least));
         let _ = writeln!(text, " {seconds:>9}   {}", way(record));
+    }
+}
+
+/// What other programs do: those that no other of them beats, the quickest first.
+fn rows_beside(document: &FrontierDocument, text: &mut String) {
+    let beside = &document.beside;
+    let mut shown: Vec<&BesidePart> = beside.iter().filter(|part| is_unbeaten(part, beside)).collect();
+    shown.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    for part in shown {
+        let [s, r] = [part.error_S, part.error_R].map(|error| error.map_or("-".into(), |error| significant(error, 2)));
+        let _ = writeln!(text, "  {s:>14} {r:>14} {:>9}   {}: {}", time(part.seconds), part.program, part.label);
     }
 }
 

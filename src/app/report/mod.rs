@@ -86,7 +86,7 @@ pub(crate) use explore_picture::write_explore_picture;
 pub(crate) use fits::{FitsDocument, FitsRow, write_fits_csv, write_fits_line};
 pub(crate) use fold::{PAGE_WIDTH, folded};
 pub(crate) use frontier::{
-    AskedPart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, RecommendedPart, StagePart,
+    AskedPart, BesidePart, FRONTIER_SCHEMA, FrontierDocument, FrontierRecord, PickPart, RecommendedPart, StagePart,
 };
 pub(crate) use frontier_columns::{frontier_columns, write_frontier_csv};
 pub(crate) use frontier_orders::{OrdersDocument, write_orders_table};

@@ -15,6 +15,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
 use crate::simd::{Isa, factor_dense};
+use crate::work;
 
 /// Order up to which a factor stays in the cache whole, so that faer's blocks gain nothing over their calls.
 const SMALL: usize = 100;
@@ -28,6 +29,7 @@ pub struct Eigen {
 
 /// `A B`.
 pub fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    work::add(a.nrows() * a.ncols() * b.ncols());
     let mut out = Mat::zeros(a.nrows(), b.ncols());
     matmul(out.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
     out
@@ -35,6 +37,7 @@ pub fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
 
 /// L of the symmetric matrix whose lower triangle is given; `None` where it is not positive definite.
 pub fn cholesky(a: MatRef<'_, f64>) -> Option<Mat<f64>> {
+    work::add(a.nrows().pow(3) / 6);
     if a.nrows() <= SMALL { small_cholesky(a) } else { large_cholesky(a) }
 }
 
@@ -65,6 +68,7 @@ fn large_cholesky(a: MatRef<'_, f64>) -> Option<Mat<f64>> {
 /// Eigenvalues and eigenvectors of the symmetric matrix whose lower triangle is given; `None` where they are not found.
 pub fn eigen(a: MatRef<'_, f64>) -> Option<Eigen> {
     let n = a.nrows();
+    work::add(9 * n.pow(3) / 2);
     let (mut values, mut vectors) = (Diag::zeros(n), Mat::zeros(n, n));
     let scratch = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
     let mut memory = MemBuffer::new(scratch);

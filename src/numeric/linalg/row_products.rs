@@ -13,9 +13,16 @@ use super::grid_assembly::assemble_grid;
 use super::grid_rows::{GridRows, visit_cells, visit_lines};
 use super::sites::{RowWeights, Site, SiteWeights, Sites, Targets, add_transposed, site_rows};
 use super::stencil::{StencilMatrix, TensorShape};
+use crate::work;
 
 /// Weights that leave every row as it is.
 const PLAIN: SiteWeights = SiteWeights { z: 1.0, a: 1.0, b: 0.0, d: 1.0 };
+
+/// Counts passes over the rows of all sites; on a grid lines along y are shared, and a pixel takes one axis alone.
+fn count(sites: &impl Sites, passes: usize) {
+    let [p, q] = sites.shape().degree.map(|d| d + 1);
+    work::add(3 * passes * sites.len() * if sites.grid_axes().is_some() { p } else { p * q });
+}
 
 /// Rows `[wz S, a S_x + b S_y, d S_y]` from the values.
 #[inline(always)]
@@ -25,6 +32,7 @@ fn weighted(w: &SiteWeights, [s, sx, sy]: [f64; 3]) -> [f64; 3] {
 
 /// Calls `visit(site, [S, S_x, S_y])` for every site, in the order of the knot cells.
 pub fn visit_values(sites: &impl Sites, c: &[f64], mut visit: impl FnMut(usize, [f64; 3])) {
+    count(sites, 1);
     let basis = sites.shape().basis;
     match sites.grid_axes() {
         Some(axes) => visit_cells(axes, basis, c, visit),
@@ -41,6 +49,7 @@ pub fn visit_grid_rows(
     mut visit: impl FnMut(usize, [f64; 3]),
 ) -> bool {
     let Some(axes) = sites.grid_axes() else { return false };
+    count(sites, 1);
     visit_lines(axes, sites.shape().basis, c, |r, values| visit(r, weighted(&row_weights.at(r), values)));
     true
 }
@@ -53,6 +62,7 @@ pub fn apply_rows(sites: &impl Sites, row_weights: &RowWeights, c: &[f64], out: 
     if visit_grid_rows(sites, row_weights, c, |_, row| out.push(row)) {
         return;
     }
+    count(sites, 1);
     out.resize(sites.len(), [0.0; 3]);
     sites.visit(|site| out[site.index] = site_rows(site, &row_weights.at(site.index), c, columns));
 }
@@ -65,6 +75,7 @@ pub fn residuals(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets
     if visit_grid_rows(sites, row_weights, c, |r, row| out.push([0, 1, 2].map(|k| targets[r][k] - row[k]))) {
         return;
     }
+    count(sites, 1);
     out.resize(sites.len(), [0.0; 3]);
     sites.visit(|site| {
         let rows = site_rows(site, &row_weights.at(site.index), c, columns);
@@ -75,6 +86,7 @@ pub fn residuals(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets
 
 /// `out = E' r` for weighted rows `r`.
 pub fn normal_rhs(sites: &impl Sites, row_weights: &RowWeights, rows: &Targets, out: &mut [f64]) {
+    count(sites, 1);
     let basis = sites.shape().basis;
     let columns = basis[1];
     out.fill(0.0);
@@ -86,6 +98,7 @@ pub fn normal_rhs(sites: &impl Sites, row_weights: &RowWeights, rows: &Targets, 
 
 /// `out = E'(b - E c)` in one visit, with the same bits as [`residuals`] followed by [`normal_rhs`].
 pub fn descent(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets, c: &[f64], out: &mut [f64]) {
+    count(sites, 2);
     let basis = sites.shape().basis;
     let columns = basis[1];
     out.fill(0.0);
@@ -106,6 +119,7 @@ pub fn descent(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets, 
 /// Adds `E'E` to `out`, cell by cell. The rank-one updates go into a dense matrix of the cell, which is added to `out` once.
 pub fn assemble(sites: &impl Sites, row_weights: &RowWeights, out: &mut StencilMatrix) {
     let shape = sites.shape();
+    count(sites, (shape.local() + 1) / 2);
     if let (Some(axes), RowWeights::PerSite(weights)) = (sites.grid_axes(), row_weights)
         && weights.iter().all(|w| w.b == 0.0)
     {

@@ -14,6 +14,7 @@ use faer::{Conj, MatMut, Side};
 use super::SolveError;
 use crate::linalg::{BlockMatrix, inverse_norm1_estimate, partial_dots};
 use crate::simd::{Isa, factor_dense};
+use crate::work;
 
 /// Up to this many unknowns the dense factor is faster: its 4.5 million multiply-adds take as long as a symbolic step.
 const DENSE_LIMIT: usize = 300;
@@ -103,6 +104,7 @@ impl BlockCholesky {
         if !self.norm.is_finite() {
             return Err(SolveError::NotFinite { unknown: 0 });
         }
+        work::add(self.multiply_adds());
         match &mut self.kind {
             Kind::Dense(dense) => factor_dense(Isa::active(), scale.len(), dense.stride, &mut dense.columns)
                 .map(|_| ())
@@ -118,7 +120,19 @@ impl BlockCholesky {
         v.iter_mut().zip(&self.scale).for_each(|(w, d)| *w *= d);
     }
 
+    /// Multiply-adds of one factorisation; of a sparse one as if its columns were equally long, which is less than there are.
+    fn multiply_adds(&self) -> usize {
+        match &self.kind {
+            Kind::Dense(_) => self.scale.len().pow(3) / 6,
+            Kind::Sparse(sparse) => sparse.factor.len().pow(2) / (2 * self.scale.len().max(1)),
+        }
+    }
+
     fn solve_equilibrated(&self, v: &mut [f64]) {
+        work::add(match &self.kind {
+            Kind::Dense(_) => v.len() * v.len(),
+            Kind::Sparse(sparse) => 2 * sparse.factor.len(),
+        });
         match &self.kind {
             Kind::Dense(dense) => dense.solve(v),
             Kind::Sparse(sparse) => sparse.solve(v),

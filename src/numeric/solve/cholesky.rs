@@ -20,6 +20,7 @@ use super::ordering::nested_dissection;
 use super::patch::PatchCholesky;
 use super::small::PackedCholesky;
 use crate::linalg::{StencilMatrix, TensorShape, inverse_norm1_estimate};
+use crate::work;
 
 /// Up to this many unknowns, unless they are a patch of one cell, a packed dense factor takes less time than setting up a
 /// band. Beyond it the band's panels are faster, and entries of its inverse give traces without a solve for every unknown.
@@ -171,6 +172,7 @@ impl Cholesky {
     }
 
     fn factor_equilibrated(&mut self, matrix: &StencilMatrix, v: Option<&mut [f64]>) -> Result<(), SolveError> {
+        work::add(self.multiply_adds() as usize + if v.is_some() { 2 * self.factor_entries() } else { 0 });
         let scale = &self.scale;
         match &mut self.kind {
             Kind::Patch(patch) => {
@@ -217,6 +219,7 @@ impl Cholesky {
     }
 
     fn solve_equilibrated(&self, v: &mut [f64]) {
+        work::add(2 * self.factor_entries());
         match &self.kind {
             Kind::Patch(patch) => patch.solve(v),
             Kind::Dense(dense) => dense.solve(v),

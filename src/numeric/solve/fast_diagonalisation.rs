@@ -15,6 +15,7 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
 use crate::linalg::{Eigen, cholesky, eigen};
+use crate::work;
 
 use super::SolveError;
 
@@ -48,6 +49,8 @@ fn generalised(values: &[Vec<f64>], slopes: &[Vec<f64>]) -> Result<(Vec<f64>, Ma
     let gram = full(values);
     let lower = cholesky(gram.as_ref()).ok_or(broken.clone())?;
     let log_det = 2.0 * (0..gram.nrows()).map(|i| lower[(i, i)].ln()).sum::<f64>();
+    // three triangular solutions; factor and eigenproblem count themselves
+    work::add(3 * gram.nrows().pow(3) / 2);
     let mut reduced = full(slopes);
     solve_lower_triangular_in_place(lower.as_ref(), reduced.as_mut(), Par::Seq);
     let mut reduced = reduced.transpose().to_owned();
@@ -103,6 +106,7 @@ impl FastDiagonalisation {
     /// `R -> C` in place, row-major n x m.
     pub fn solve(&mut self, right: &mut [f64]) {
         let (n, m) = (self.u.nrows(), self.v.nrows());
+        work::add(2 * n * m * (n + m));
         let r = MatRef::from_row_major_slice(&*right, n, m);
         matmul(self.half.as_mut(), Accum::Replace, self.u.transpose(), r, 1.0, Par::Seq);
         matmul(self.middle.as_mut(), Accum::Replace, self.half.as_ref(), self.v.as_ref(), 1.0, Par::Seq);

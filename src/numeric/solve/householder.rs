@@ -6,6 +6,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::{MatMut, Par};
 
 use crate::linalg::partial_dots;
+use crate::work;
 
 /// From this many columns on faer's blocked code is faster.
 const BLOCKED_FROM: usize = 48;
@@ -67,6 +68,7 @@ impl Front {
 
     /// Replaces the rows by the upper triangle of their QR factor; at most `columns` rows remain.
     pub(super) fn triangularise(&mut self) {
+        work::add(self.rows * self.columns.pow(2));
         if self.columns >= BLOCKED_FROM && self.rows >= BLOCKED_FROM {
             self.triangularise_blocked();
         } else {
@@ -93,6 +95,7 @@ impl Front {
             pivot_column.fill(0.0);
             return false;
         }
+        work::add(2 * (rows - used) * (self.columns - column));
         let Some((beta, tau)) = reflector(pivot_column) else { return true };
         reflect(right, pivot_column, tau, self.capacity, used..rows, self.columns - column - 1);
         pivot_column[0] = beta;

@@ -11,6 +11,7 @@ use super::factor::Factor;
 use super::householder::reflector;
 use super::triangular::equilibration;
 use crate::linalg::inverse_norm1_estimate;
+use crate::work;
 
 /// A dense rank-revealing factor of weighted rows with their right-hand side.
 #[derive(Clone, Debug)]
@@ -38,6 +39,7 @@ impl PivotedQr {
         let mut work = sorted_rows(rows, columns, values, rhs, &scale);
         let mut order: Vec<usize> = (0..columns).collect();
         let steps = rows.min(columns);
+        work::add(rows * columns * steps);
         for k in 0..steps {
             let pivot = (k..columns)
                 .map(|c| (c, norm_squared(&work[c * rows + k..(c + 1) * rows])))

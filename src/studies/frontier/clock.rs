@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use palpate_numeric::draws::Lcg;
 use palpate_numeric::statistics::{Rank, median, quantile};
+use palpate_numeric::work;
 
 /// Calls of one kind in a row: the first finds the caches cold, which a robot that fits again and again does not meet.
 const IN_A_ROW: usize = 3;
@@ -58,8 +59,8 @@ pub type Watch<'a> = &'a (dyn Fn(usize, usize) -> bool + Sync);
 
 /// What comes of the calls while they are timed.
 pub(super) enum Heard<R> {
-    /// What one returned, and how many calls of it there were before.
-    Answer(u64, R),
+    /// What one returned, how many calls of it there were before, and the multiply-adds that it took on this thread.
+    Answer(u64, R, u64),
     /// Its time in a round, seconds.
     Time(f64),
 }
@@ -83,7 +84,7 @@ pub(super) fn round_times<R>(
 ) -> Vec<Vec<f64>> {
     let mut times: Vec<Vec<f64>> = vec![Vec::new(); calls.len()];
     heard_rounds(calls, limits, watch, |k, heard| match heard {
-        Heard::Answer(number, result) => keep(k, number, result),
+        Heard::Answer(number, result, _) => keep(k, number, result),
         Heard::Time(seconds) => times[k].push(seconds),
     });
     times
@@ -119,9 +120,9 @@ pub(super) fn heard_rounds<R>(
                     break;
                 }
                 let clock = Instant::now();
-                let result = calls[k](numbers[k]);
+                let (result, multiply_adds) = work::counted(|| calls[k](numbers[k]));
                 let taken = clock.elapsed();
-                hear(k, Heard::Answer(numbers[k], result));
+                hear(k, Heard::Answer(numbers[k], result, multiply_adds));
                 numbers[k] += 1;
                 least = least.min(taken);
                 spent[k] += taken.as_secs_f64();

@@ -173,8 +173,8 @@ impl Subject {
         let limits = Limits { least: LEAST_ROUNDS, most: MOST_ROUNDS, seconds: first, each: most_each };
         heard_rounds(&mut calls, limits, watch, |k, heard| {
             let (candidate, interval) = (k / each, k % each);
-            let (number, answer) = match heard {
-                Heard::Answer(number, answer) => (number, answer),
+            let (number, answer, multiply_adds) = match heard {
+                Heard::Answer(number, answer, multiply_adds) => (number, answer, multiply_adds),
                 Heard::Time(seconds) => return ledger.enter(candidate, |entry| entry.times[interval].push(seconds)),
             };
             let touches = self.touches_of(&self.candidates[candidate]);
@@ -189,6 +189,7 @@ impl Subject {
             ledger.enter(candidate, |entry| {
                 entry.judged.push(judged);
                 entry.memory = entry.memory.or(memory);
+                entry.multiply_adds = entry.multiply_adds.or((number == 0).then_some(multiply_adds));
             });
         });
         drop(calls);
@@ -223,7 +224,7 @@ impl Subject {
         let limits = Limits { least: 0, most: MOST_ROUNDS, seconds, each };
         let still = |_, _| watch(MOST_ROUNDS, MOST_ROUNDS);
         heard_rounds(&mut calls, limits, &still, |place, heard| {
-            let Heard::Answer(number, answer) = heard else { return };
+            let Heard::Answer(number, answer, _) = heard else { return };
             let (k, met) = begun[place];
             if let Some((_, truth)) = replicates(k).get((met + number) as usize) {
                 let judged = judge(&answer, truth, false);
@@ -240,7 +241,7 @@ impl Subject {
             .map(|(k, entry)| {
                 let mut point = self.point(k, &entry.judged, &entry.held);
                 if point.failed.is_none() {
-                    point.memory = entry.memory;
+                    (point.memory, point.multiply_adds) = (entry.memory, entry.multiply_adds);
                 }
                 point.seconds = Some(clocked(&entry.times[0]));
                 point.seconds_interval = self.intervals.then(|| clocked(&entry.times[1]));

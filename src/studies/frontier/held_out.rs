@@ -83,8 +83,8 @@ impl HeldOut {
             calls.push(Box::new(move |number| call(&parts[number as usize % parts.len()].0, way, false)));
         }
         heard_rounds(&mut calls, limits, watch, |k, heard| {
-            let (number, answer) = match heard {
-                Heard::Answer(number, answer) => (number, answer),
+            let (number, answer, multiply_adds) = match heard {
+                Heard::Answer(number, answer, multiply_adds) => (number, answer, multiply_adds),
                 Heard::Time(seconds) => return ledger.enter(k, |entry| entry.times[0].push(seconds)),
             };
             let Some((seen, unseen)) = parts.get(number as usize) else { return };
@@ -96,6 +96,7 @@ impl HeldOut {
             ledger.enter(k, |entry| {
                 entry.judged.push(judged);
                 entry.memory = entry.memory.or(memory);
+                entry.multiply_adds = entry.multiply_adds.or((number == 0).then_some(multiply_adds));
                 entry.uncertainty = uncertainty.unwrap_or(entry.uncertainty);
             });
         });
@@ -158,6 +159,7 @@ fn point(way: &Configuration, entry: &LedgerLine, contacts: usize) -> Point {
         uncertainty: entry.uncertainty,
         seconds: Some(clocked(&entry.times[0])),
         memory: entry.memory.filter(|_| failed.is_none()),
+        multiply_adds: entry.multiply_adds.filter(|_| failed.is_none()),
         replicates: judged.len() as u64,
         support: judged.first().map(|judged| judged.support),
         failed,

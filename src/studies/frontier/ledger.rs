@@ -17,6 +17,8 @@ pub(super) struct LedgerLine {
     pub held: Vec<[Option<bool>; 2]>,
     /// Bytes of the first answer.
     pub memory: Option<u64>,
+    /// Multiply-adds of the first answer.
+    pub multiply_adds: Option<u64>,
     /// Standard uncertainties of S and of R in the posterior, where there is one.
     pub uncertainty: [Option<f64>; 2],
     /// Seconds in every round, of the call without and of that with intervals.

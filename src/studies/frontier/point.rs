@@ -65,6 +65,8 @@ pub struct Point {
     pub seconds: Option<Clocked>,
     /// Time of the call with intervals.
     pub seconds_interval: Option<Clocked>,
+    /// Multiply-adds of the first call without intervals: [`palpate_numeric::work`].
+    pub multiply_adds: Option<u64>,
     /// Instructions of the call without intervals.
     pub instructions: Option<u64>,
     /// Instructions of the call with intervals.

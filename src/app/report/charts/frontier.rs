@@ -10,7 +10,7 @@ use super::axis::Axis;
 use super::chart::{Chart, Style};
 use super::frame::Rect;
 use crate::report::drawing::Drawing;
-use crate::report::frontier::{FrontierDocument, FrontierRecord};
+use crate::report::frontier::{BesidePart, FrontierDocument, FrontierRecord, is_unbeaten};
 use crate::report::frontier_words::{judged_by_contacts, tag};
 use crate::report::table::significant;
 
@@ -65,6 +65,8 @@ pub(in crate::report) struct FrontierFigure<'a> {
     pub on: Vec<&'a FrontierRecord>,
     /// Those that have words.
     labelled: Vec<&'a FrontierRecord>,
+    /// What other programs do, where this is about ways of fitting.
+    beside: &'a [BesidePart],
     kind: FrontierKind,
     error: &'static str,
 }
@@ -82,8 +84,9 @@ impl<'a> FrontierFigure<'a> {
             true => document.shortlist.iter().filter_map(|k| document.points.get(*k)).filter(of_kind).collect(),
             false => all.clone(),
         };
+        let beside = if ways { &document.beside[..] } else { &[] };
         let error = if ways && judged_by_contacts(document) { UNSEEN } else { kind.error };
-        (!all.is_empty()).then_some(FrontierFigure { all, on, labelled, kind, error })
+        (!all.is_empty()).then_some(FrontierFigure { all, on, labelled, beside, kind, error })
     }
 
     /// A point's name.
@@ -98,12 +101,19 @@ impl<'a> FrontierFigure<'a> {
     pub(in crate::report) fn draw(&self, drawing: &mut Drawing, rect: Rect, (name, cost): (&str, Cost)) {
         let at = |record: &FrontierRecord| Some([cost(record)?, place(record)?[1]]);
         let places: Vec<[f64; 2]> = self.all.iter().filter_map(|record| at(record)).collect();
-        let axes = [0, 1].map(|k| Axis::whole_decades(places.iter().map(move |place| place[k])));
+        // nobody counted the others' instructions
+        let beside = if name == TIME.0 { self.beside } else { &[] };
+        let others: Vec<[f64; 2]> = beside.iter().map(place_beside).collect();
+        let axes = [0, 1].map(|k| Axis::whole_decades(places.iter().chain(&others).map(move |place| place[k])));
         let mut chart = Chart::new(drawing, rect, axes, [name, self.error], ROOM);
         for record in self.all.iter().filter(|record| !self.is_labelled(record)) {
             let Some(place) = at(record) else { continue };
             chart.dot(Style::QUIET, place, 2.0, self.words(record));
             chart.keep_off(place, 1.5);
+        }
+        for (part, place) in beside.iter().zip(&others) {
+            chart.dot(Style::MEAN, *place, 3.5, words_beside(part));
+            chart.keep_off(*place, 4.5);
         }
         let line = stairs(places);
         chart.line(Style::MAIN, &line);
@@ -116,6 +126,9 @@ impl<'a> FrontierFigure<'a> {
         }
         for record in &self.labelled {
             at(record).into_iter().for_each(|place| chart.word(place, &tag(record)));
+        }
+        for (part, place) in beside.iter().zip(&others).filter(|(part, _)| is_unbeaten(part, beside)) {
+            chart.word(*place, &part.program);
         }
     }
 
@@ -134,12 +147,25 @@ impl<'a> FrontierFigure<'a> {
             lines.push(format!("error of S {}, of R {}", number(point.error_S), number(point.error_R)));
         }
         lines.extend(point.digits.map(|digits| format!("{} right digits", significant(digits, 3))));
+        lines.extend(point.multiply_adds.map(|count| format!("{count} multiply-adds")));
         lines.extend(point.instructions.map(|count| format!("{count} instructions")));
         if point.on_frontier {
             lines.push("on the frontier".into());
         }
         lines.join("\n")
     }
+}
+
+/// Microseconds and error.
+fn place_beside(part: &BesidePart) -> [f64; 2] {
+    [1e6 * part.seconds, part.error.max(ROUNDING)]
+}
+
+/// What a point of another program says when it is pointed at.
+fn words_beside(part: &BesidePart) -> String {
+    let (s, r) = (number(part.error_S), number(part.error_R));
+    let error = significant(part.error, 3);
+    format!("{}: {}\ntime {}\nerror {error}\nerror of S {s}, of R {r}", part.program, part.label, time(part.seconds))
 }
 
 /// A time in the unit that fits.

@@ -115,13 +115,18 @@ fn frontier(document: &FrontierDocument, kind: FrontierKind) -> String {
         drawing.size[1] += HIGHER;
         figure.draw(drawing, [rect[0], [rect[1][0], rect[1][1] + HIGHER]], TIME);
     });
-    let marks = key(&[
+    let mut marks = vec![
         ("", "--second", "a model that is named"),
         ("", "--accent", "recognised, and the least error so far"),
         ("", "--faint", "all others; from line to line is one digit"),
-    ]);
+    ];
+    if frontier == "discretisation" && !document.beside.is_empty() {
+        marks.push(("", "--ink", "other programs"));
+    }
+    let marks = key(&marks);
     let rows: Vec<Vec<String>> = figure.on.iter().map(|point| row(figure.name(point), point)).collect();
-    let head = ["", "Error", "Error of S", "Error of R", "Quickest round", "Median between", "Instructions"];
+    let head =
+        ["", "Error", "Error of S", "Error of R", "Quickest round", "Median between", "Multiply-adds", "Instructions"];
     format!(
         "<section id=\"{frontier}\"><h2>{title}</h2>\n<figure>{chart}</figure>\n{marks}\
          <details><summary>The points on the frontier as a table</summary>{}</details></section>\n",
@@ -137,6 +142,7 @@ fn row(name: String, point: &FrontierRecord) -> Vec<String> {
         number(point.error_R),
         point.seconds.map_or("-".into(), |t| time(t.least)),
         point.seconds.map_or("-".into(), |t| format!("{} to {}", time(t.lo), time(t.hi))),
+        point.multiply_adds.map_or("-".into(), |n| n.to_string()),
         point.instructions.map_or("-".into(), |n| n.to_string()),
     ]
 }

@@ -22,6 +22,7 @@ pub use packed::{PackedCells, PackedRows};
 use palpate_numeric::bspline::Knots;
 use palpate_numeric::linalg::{RowWeights, StencilMatrix, TensorShape};
 use palpate_numeric::simd::MAX_MOMENT_DEGREE;
+use palpate_numeric::work;
 use sorting::Stripes;
 use sums::Scratch;
 use tables::{Axis, AxisTables, XTables, YTables, squares_of};
@@ -116,6 +117,11 @@ impl CellAssembly {
         })
     }
 
+    /// Counts the normal matrix and the right-hand side of so many contacts.
+    fn count(&self, contacts: usize) {
+        work::add(3 * contacts * (self.shape.local() + 3) * self.shape.local() / 2);
+    }
+
     /// Shape of the spline.
     pub(crate) fn shape(&self) -> TensorShape {
         self.shape
@@ -143,6 +149,7 @@ impl CellAssembly {
         matrix: &mut StencilMatrix,
         right: &mut [f64],
     ) {
+        self.count(rows.len());
         let abscissa = |r: usize| rows.at(r)[0];
         match row_weights {
             RowWeights::Uniform(m) if self.knots.iter().all(|k| k.n_segments() == 1) => {
@@ -175,6 +182,7 @@ impl CellAssembly {
 impl CellAssembly {
     /// `matrix += E'E` of packed cells, with the same bits as [`CellAssembly::add`].
     pub(crate) fn add_packed(&mut self, row_weights: &RowWeights, packed: &PackedCells, matrix: &mut StencilMatrix) {
+        self.count(packed.len());
         let mut nothing = vec![0.0; matrix.order()];
         self.sum_panels(matrix, &mut nothing, &|own, stripe, scratch, target| {
             own.packed_stripe(stripe, row_weights, packed, scratch, target);

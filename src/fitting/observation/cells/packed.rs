@@ -14,6 +14,7 @@ use palpate_numeric::simd::{
     CellPiece, CellPowers, CellSites, Isa, MAX_MOMENT_DEGREE, SITES, SiteLanes, cell_basis, cell_products,
     cell_squares, cell_values,
 };
+use palpate_numeric::work;
 
 /// Local coordinates of the contacts of every cell, in groups of eight. Unused lanes of a cell's last group are zero.
 #[derive(Debug)]
@@ -153,8 +154,19 @@ impl PackedCells {
         }
     }
 
+    /// Contacts.
+    pub(super) fn len(&self) -> usize {
+        self.counts.iter().sum()
+    }
+
+    /// Counts passes over the rows of all contacts.
+    fn count(&self, passes: usize) {
+        work::add(3 * passes * self.len() * self.shape.local());
+    }
+
     /// `out += E'(b - E c)`.
     pub fn descent(&self, rows: &PackedRows, c: &[f64], out: &mut [f64]) {
+        self.count(2);
         let isa = Isa::active();
         self.each_cell(rows, true, c, |[x, y], piece| {
             let mut powers = [[0.0; 4]; 4];
@@ -165,6 +177,7 @@ impl PackedCells {
 
     /// `|b - E c|^2` of heights and of slopes; without `targets`, `|E c|^2`.
     pub fn squares(&self, rows: &PackedRows, targets: bool, c: &[f64]) -> [f64; 2] {
+        self.count(1);
         let isa = Isa::active();
         let mut sums = [0.0; 2];
         self.each_cell(rows, targets, c, |_, piece| cell_squares(isa, piece, &mut sums));
@@ -173,6 +186,7 @@ impl PackedCells {
 
     /// `visit(contact, [S, S_x, S_y])`, cell by cell.
     pub fn values(&self, c: &[f64], mut visit: impl FnMut(usize, [f64; 3])) {
+        self.count(1);
         let (isa, mut found) = (Isa::active(), Vec::new());
         for (cell, &count) in self.counts.iter().enumerate() {
             if count == 0 {
