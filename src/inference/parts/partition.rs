@@ -34,6 +34,9 @@ const SWEEPS: usize = 4;
 /// Points that two parts are judged by when they are to be joined.
 const JUDGED: usize = 200;
 
+/// Median of |gaussian|, and of the length of two of them.
+const MEDIAN: [f64; 2] = [0.6745, 1.1774];
+
 /// No part.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -80,6 +83,7 @@ fn settled(mut partition: Partition, field: &Field) -> Partition {
         }
     }
     partition.refit(field);
+    partition.sharpen(field);
     partition
 }
 
@@ -167,10 +171,27 @@ impl Partition {
         }
     }
 
+    /// Fits parts at the noise that they themselves show, as long as that halves it. Until then they are fitted with what is let pass:
+    /// normals that were estimated across an edge then tilt exact planes, and points beyond the edge lie as near as their own. Distances
+    /// alone tell whose such a point is.
+    fn sharpen(&mut self, field: &Field) {
+        let cloud = field.cloud;
+        for _ in 0..ROUNDS {
+            let members = self.members();
+            let sharper = threads::map(self.parts.len(), 1, |part| {
+                sharper(cloud, &self.inner(cloud, &members[part]), &self.parts[part], field.noise)
+            });
+            if sharper.iter().all(Option::is_none) {
+                break;
+            }
+            self.parts.iter_mut().zip(sharper).for_each(|(part, sharper)| *part = sharper.unwrap_or(*part));
+            let u = Noise { normal: f64::INFINITY, ..self.noise(cloud, field.noise) };
+            (0..SWEEPS).for_each(|_| self.relabel(cloud, &u));
+        }
+    }
+
     /// The noise as all parts together show it: medians, since some points are on the wrong side.
     fn noise(&self, cloud: &Cloud, floor: &Noise) -> Noise {
-        /// Median of |gaussian|, and of the length of two of them.
-        const MEDIAN: [f64; 2] = [0.6745, 1.1774];
         let off: Vec<(f64, f64)> = (0..cloud.len())
             .filter(|&i| self.labels[i] != NONE)
             .map(|i| {
@@ -340,6 +361,19 @@ fn chosen(field: &Field, inner: &[u32], before: &Primitive) -> Option<Primitive>
         }
     }
     kept.map(|(primitive, _)| primitive)
+}
+
+/// The primitive fitted to those of its inner points that their own scatter explains, if half of that scatter goes with it.
+fn sharper(cloud: &Cloud, inner: &[u32], before: &Primitive, floor: &Noise) -> Option<Primitive> {
+    let scatter = |primitive: &Primitive| {
+        let distances = inner.iter().map(|i| primitive.nearest(cloud.points[*i as usize]).0.abs());
+        upper_median(distances.collect::<Vec<f64>>()).map(|median| (median / MEDIAN[0]).max(floor.distance))
+    };
+    let u = Noise { distance: scatter(before)?, normal: floor.normal };
+    let explains = |i: &u32| cost(before, cloud.points[*i as usize], cloud.normals[*i as usize], &u) < CAP;
+    let explained: Vec<u32> = inner.iter().copied().filter(explains).collect();
+    let found = exact(cloud, &explained, before, &u)?.primitive;
+    (scatter(&found)? < 0.5 * u.distance).then_some(found)
 }
 
 /// The kind of the part fitted once more to all inner points, for the answer.
