@@ -145,3 +145,22 @@ fn exact_faces_are_planes_to_their_last_contact() {
         }
     }
 }
+
+/// A column with six faces, seen without normals: of one face a ball of radius 99 was as near, and the face was called that ball.
+#[test]
+fn faces_with_noise_are_planes() {
+    let chance = |k: usize, salt: f64| ((k as f64 * 12.9898 + salt).sin() * 43_758.547).rem_euclid(1.0);
+    for (noise, salt) in [(0.001, 1.0), (0.01, 2.0), (0.01, 3.0)] {
+        let place = |k: usize| {
+            let (sin, cos) = ((k % 6) as f64 * std::f64::consts::FRAC_PI_3).sin_cos();
+            let along = (2.0 * chance(k, salt) - 1.0) / 3.0_f64.sqrt();
+            // of the variance of a gaussian
+            let off = noise * ((0..12).map(|n| chance(k, salt + 7.0 + f64::from(n))).sum::<f64>() - 6.0);
+            let [x, y] = [(1.0 + off) * cos - along * sin, (1.0 + off) * sin + along * cos];
+            [x, 0.8 * y - 0.6 * 4.0 * chance(k, salt + 4.0), 0.6 * y + 0.8 * 4.0 * chance(k, salt + 4.0)]
+        };
+        let points: Vec<[f64; 3]> = (0..3000).map(place).collect();
+        let kinds: Vec<PartKind> = found(&Contacts::from_points(&points)).parts.iter().map(|part| part.kind).collect();
+        assert_eq!(kinds, [PartKind::Plane; 6], "noise {noise}");
+    }
+}

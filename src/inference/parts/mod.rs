@@ -116,7 +116,9 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
     let pass = Noise { distance: tolerance, normal: unseen_deg.to_radians() };
     let field =
         Field { cloud: &cloud, shapes: &shapes, noise: &floor, coarse: &coarse, pass, cells: Cells::new(&cloud) };
-    let (found, is_whole) = of_whole_or_cut(whole::whole(&cloud, !estimated, &coarse), &field);
+    let mut whole = whole::whole(&cloud, !estimated, &coarse);
+    whole.iter_mut().for_each(|whole| whole.simplify(&field));
+    let (found, is_whole) = of_whole_or_cut(whole, &field);
     let (cloud, shapes, cells) = (&cloud, shapes.as_slice(), &field.cells);
     let measured = !estimated;
     Ok(Findings { cloud, shapes, noise, coarse, tolerance, cells, measured, is_whole }.parts(found, notes))

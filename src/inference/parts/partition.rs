@@ -164,16 +164,26 @@ impl Partition {
             let inner = self.inner(field.cloud, &members[part]);
             if inner.len() < NEAREST / 2 { None } else { chosen(field, &inner, &self.parts[part]) }
         });
-        for (part, fitted) in self.parts.iter_mut().zip(fitted) {
-            if let Some(fitted) = fitted {
-                *part = fitted;
-            }
-        }
+        self.replace(fitted);
+    }
+
+    /// Parts that a simpler kind explains as well are of that kind: a ball a hundred times as large as its patch is a plane.
+    pub(super) fn simplify(&mut self, field: &Field) {
+        let members = self.members();
+        let simpler = threads::map(self.parts.len(), 1, |part| {
+            let inner = self.inner(field.cloud, &members[part]);
+            let found = if inner.len() < NEAREST / 2 { None } else { chosen(field, &inner, &self.parts[part]) };
+            found.filter(|found| found.kind.free().len() < self.parts[part].kind.free().len())
+        });
+        self.replace(simpler);
+    }
+
+    fn replace(&mut self, by: Vec<Option<Primitive>>) {
+        self.parts.iter_mut().zip(by).for_each(|(part, by)| *part = by.unwrap_or(*part));
     }
 
     /// Fits parts at the noise that they themselves show, as long as that halves it. Until then they are fitted with what is let pass:
-    /// normals that were estimated across an edge then tilt exact planes, and points beyond the edge lie as near as their own. Distances
-    /// alone tell whose such a point is.
+    /// normals that were estimated across an edge tilt exact planes. Whose a point beside an edge is, distances alone tell.
     fn sharpen(&mut self, field: &Field) {
         let cloud = field.cloud;
         for _ in 0..ROUNDS {
@@ -184,7 +194,7 @@ impl Partition {
             if sharper.iter().all(Option::is_none) {
                 break;
             }
-            self.parts.iter_mut().zip(sharper).for_each(|(part, sharper)| *part = sharper.unwrap_or(*part));
+            self.replace(sharper);
             let u = Noise { normal: f64::INFINITY, ..self.noise(cloud, field.noise) };
             (0..SWEEPS).for_each(|_| self.relabel(cloud, &u));
         }
