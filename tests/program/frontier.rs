@@ -194,11 +194,60 @@ fn two_runs_have_the_same_errors_and_the_same_instructions() {
     let of = |run: &Value, key: &str| -> Vec<Value> {
         run["points"].as_array().unwrap().iter().map(|point| point[key].clone()).collect()
     };
-    for key in ["label", "error_S", "error_R", "instructions", "on_instructions_frontier", "memory_bytes"] {
+    let keys =
+        ["label", "error_S", "error_R", "multiply_adds", "instructions", "on_instructions_frontier", "memory_bytes"];
+    for key in keys {
         assert_eq!(of(&runs[0], key), of(&runs[1], key), "{key}");
     }
     if !runs[0]["counter"].as_str().unwrap().contains("valgrind is not installed") {
         assert!(of(&runs[0], "instructions").iter().all(|count| count.as_u64().is_some_and(|n| n > 1_000)));
+    }
+}
+
+/// Of every way that has an answer the work is counted; more coefficients and more contacts are more of it.
+#[test]
+fn work_is_counted_without_being_asked_for() {
+    let folder = ball();
+    let found = document(folder.path(), "ball.toml --seconds 0.5 --json");
+    let ways: Vec<&Value> = found["points"].as_array().unwrap().iter().filter(|way| way["failed"].is_null()).collect();
+    let work = |way: &Value| way["multiply_adds"].as_u64().unwrap();
+    assert!(ways.iter().all(|way| work(way) > 100), "{ways:?}");
+    let of = |label: &str| work(ways.iter().find(|way| way["label"] == label).unwrap());
+    let (one, four) = (of("height degree 2, 1x1, weights equal"), of("height degree 2, 2x2, weights equal"));
+    assert!(one < four && 10 * four < of("recognised"), "{one} {four}");
+}
+
+/// What other programs do stands beside, of this scene alone, and a file without such points says what it holds.
+#[test]
+fn other_programs_stand_beside() {
+    let folder = ball();
+    let point = |program: &str, case: &str, seconds: &str| {
+        format!(
+            "{{\"program\": \"{program}\", \"label\": \"its way\", \"case\": \"{case}\", \"error\": 0.02, \"error_S\": 0.01, \
+             \"error_R\": 0.001, \"seconds\": {seconds}}}"
+        )
+    };
+    let quick = point("Quick", "ball", "{\"median\": 0.002}");
+    let slow = point("Slow", "ball", "{\"median\": 0.009, \"least\": 0.004}");
+    let other = point("Other", "ring", "{\"median\": 0.001}");
+    std::fs::write(folder.path().join("peers.json"), format!("{{\"points\": [{slow}, {quick}, {other}]}}")).unwrap();
+    let found = document(folder.path(), "ball.toml --seconds 0.05 --beside peers.json --json");
+    let beside = found["beside"].as_array().unwrap();
+    let names: Vec<&str> = beside.iter().map(|part| part["program"].as_str().unwrap()).collect();
+    assert_eq!(names, ["Slow", "Quick"]);
+    assert_eq!(beside[0]["seconds"], 0.004);
+    let run = |file: &str| palpate(folder.path(), &format!("ball.toml --seconds 0.05 --beside {file}"));
+    let table = String::from_utf8(run("peers.json").stdout).unwrap();
+    // of two that are as accurate the slower one is beaten
+    assert!(table.contains("Quick: its way") && !table.contains("Slow") && !table.contains("Other"), "{table}");
+    std::fs::write(folder.path().join("rings.json"), format!("{{\"points\": [{other}]}}")).unwrap();
+    for (file, words) in
+        [("rings.json", "its points are of ring"), ("ball.toml", "a list of points"), ("none.json", "none.json")]
+    {
+        let refused = run(file);
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert!(!refused.status.success());
+        assert!(said.contains(words) && said.lines().count() <= 4, "{said}");
     }
 }
 

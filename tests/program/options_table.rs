@@ -64,6 +64,7 @@ pub(crate) const VALUES: &[(&str, &str)] = &[
     ("--sweep", "surface.radius=20,30"),
     ("--error-s", "0.1"),
     ("--error-r", "0.1"),
+    ("--beside", "peers.json"),
     ("--emit", "e.toml"),
     ("--keep-stations", ""),
     ("--seconds", "0.4"),
@@ -257,6 +258,7 @@ pub(crate) const ELSEWHERE: &[(&str, &str)] = &[
     ("frontier bar.csv --seconds 0.05", "--out"),
     ("frontier bar.csv --seconds 0.05", "--quiet"),
     ("frontier bar.csv --seconds 0.05", "--all"),
+    ("frontier bar.csv --seconds 0.05", "--beside"),
     // two thousand replicates are what the option takes less of
     ("study fixed.toml --replicates 2 --coverage --json", "--replicates"),
     ("frontier --orders", "--json"),
