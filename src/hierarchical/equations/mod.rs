@@ -13,6 +13,7 @@ mod polynomials;
 mod residuals;
 mod sorted_contacts;
 mod sums;
+mod surface_cells;
 #[cfg(test)]
 mod tests;
 
@@ -20,4 +21,5 @@ pub use local::BlockWeights;
 pub use matrix::{LevelRoughness, MeetingPattern};
 pub use residuals::ContactResiduals;
 pub use sorted_contacts::{SortedContacts, patch_frame};
-pub use sums::CellSums;
+pub use sums::{CellSums, SumLayout};
+pub use surface_cells::SurfaceCells;

@@ -91,6 +91,11 @@ impl HierarchicalField {
         &self.tables[leaf * count..(leaf + 1) * count]
     }
 
+    /// Those of all leaves, one behind the other.
+    pub fn tables(&self) -> &[f64] {
+        &self.tables
+    }
+
     /// Height, slopes and second derivatives at `(x, y)`; outside the domain the end polynomials are extended.
     pub fn at(&self, x: f64, y: f64) -> SurfacePoint {
         self.at_on(self.space.leaf_at([x, y]), x, y)
