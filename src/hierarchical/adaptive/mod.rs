@@ -23,6 +23,7 @@ mod split_test;
 mod system;
 #[cfg(test)]
 mod tests;
+pub mod tiles;
 
 pub use answer::{AdaptiveFit, AdaptiveReport};
 pub use ground::ContactBounds;
