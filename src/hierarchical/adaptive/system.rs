@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::equations::{LevelRoughness, MeetingPattern};
 use crate::error::HierarchyError;
-use crate::factor::SparseCholesky;
+use crate::factor::{EliminationOrder, SparseCholesky};
 use crate::space::HierarchicalSpace;
 use palpate_fitting::observation::RoughnessOrder;
 
@@ -55,7 +55,9 @@ impl System {
             let roughness = pattern.roughness(&space, order);
             (pattern, roughness)
         });
-        let factor = timed(&mut work.factorisation, || SparseCholesky::plan(pattern.starts(), pattern.rows()))?;
+        let factor = timed(&mut work.factorisation, || {
+            SparseCholesky::plan(pattern.starts(), pattern.rows(), EliminationOrder::NestedDissection(&space.places()))
+        })?;
         Ok(System { space, pattern, roughness, factor })
     }
 
