@@ -43,6 +43,8 @@ pub struct AdaptiveReport {
     pub lambdas: Vec<f64>,
     /// Degrees of freedom of the surface; `None` without the entries of the inverse.
     pub freedom: Option<f64>,
+    /// Whether the contacts came with normals.
+    pub normals: bool,
     /// Contacts that count: those that were not left out.
     pub counted: usize,
     /// p-value of the best plane against the surface; `None` where the degrees of freedom are not known.

@@ -133,6 +133,7 @@ fn answered(mut refinement: MeshRefinement<'_>, system: System, frame: Frame) ->
             outliers,
             lambdas: refinement.lambdas,
             freedom: traces.map(|[z, s]| z + s),
+            normals: columns.normals,
             counted,
             plane_p,
             rms: (heights.squares / heights.rows.max(1.0)).sqrt() * frame.scale,
