@@ -1,10 +1,11 @@
-//! Adaptive fits over hierarchical splines: `cargo bench --bench hierarchical [-- table | false | coverage | evaluate | orders | stream]`.
+//! Adaptive fits over hierarchical splines: `cargo bench --bench hierarchical [-- table | false | coverage | evaluate | orders | gradients | stream]`.
 //!
 //! ```text
 //! table      1e4 .. 1e7 contacts of one smooth surface with 0, 10 and 1,000 bumps: time, memory, unknowns, error, factor's share
 //! false      cells split where the surface is in the span of the base grid
 //! coverage   how often height and R +- 1.96 u hold the truth, near bumps and far from them
 //! orders     nonzeros and seconds of the factor by minimum degree and by nested dissection; `orders FOLDER` writes the matrices there
+//! gradients  the same fit by the factor and by conjugate gradients: time, memory of the factors, difference
 //! stream     N contacts with 1,000 bumps that come in pieces and are never in memory at once: time, memory, the bits of the fit in memory
 //! evaluate   nanoseconds a point with two derivatives, beside the tensor spline with the cells of the finest level
 //! ```
@@ -46,10 +47,11 @@ fn main() -> Result<(), Fault> {
         ["evaluate"] => evaluate(),
         ["orders"] => orders(None),
         ["orders", folder] => orders(Some(Path::new(folder))),
+        ["gradients"] => gradients(),
         ["stream"] => stream(10_000_000, true),
         ["stream", contacts] => stream(contacts.parse()?, false),
         [] | ["table"] => table(10_000_000),
-        _ => Err("table [MOST], false, coverage, evaluate, orders [FOLDER], stream [CONTACTS]".into()),
+        _ => Err("table [MOST], false, coverage, evaluate, orders [FOLDER], gradients, stream [CONTACTS]".into()),
     }
 }
 
@@ -425,6 +427,44 @@ fn order_of(name: &str, space: &HierarchicalSpace, folder: Option<&Path>) -> Res
             best[0],
             1e3 * best[1],
         );
+    }
+    Ok(())
+}
+
+/// The factor of the whole, and conjugate gradients where it would have more than a tenth of a million numbers.
+fn gradients() -> Result<(), Fault> {
+    println!(
+        "| contacts | features | by | seconds | of them factors and solutions | unknowns | numbers in factors | backward error | \
+         off the other, sigma |\n|---|---|---|---|---|---|---|---|---|"
+    );
+    for (contacts, features) in [(100_000, 1000), (1_000_000, 1000)] {
+        let touched = Scene::new(features, 7).touched(contacts, 8);
+        let mut fits: Vec<AdaptiveFit> = Vec::new();
+        for (by, most_factor_entries) in [("factor", usize::MAX), ("gradients", 100_000)] {
+            // the entries of the inverse are no part of what is compared
+            let options = AdaptiveOptions { most_factor_entries, ..AdaptiveOptions::default() };
+            let begun = Instant::now();
+            let fit = fit_adaptive(&touched, &options)?;
+            let seconds = begun.elapsed().as_secs_f64();
+            let report = fit.report();
+            let mut draw = Lcg::new(99);
+            let off = fits.first().map(|whole: &AdaptiveFit| {
+                let square = |_| {
+                    let [x, y] = [0, 1].map(|_| 2.0 * draw.uniform() - 1.0);
+                    (fit.at(x, y).z - whole.at(x, y).z).powi(2)
+                };
+                ((0..20_000).map(square).sum::<f64>() / 20_000.0).sqrt() / NOISE
+            });
+            println!(
+                "| {contacts} | {features} | {by} | {seconds:.1} | {:.1} | {} | {} | {:.1e} | {} |",
+                (report.work.factorisation + report.work.inverse).as_secs_f64(),
+                fit.unknowns(),
+                report.factor_entries,
+                report.backward_error.unwrap_or(f64::NAN),
+                off.map_or(String::new(), |off| format!("{off:.4}")),
+            );
+            fits.push(fit);
+        }
     }
     Ok(())
 }

@@ -37,7 +37,7 @@ use std::time::Duration;
 
 use crate::equations::{BlockWeights, CellSums, SortedContacts};
 use crate::error::HierarchyError;
-use crate::factor::SelectedInverse;
+use crate::factor::{SelectedInverse, SparseCholesky};
 use certificate::backward_error;
 use contact_passes::ContactPasses;
 use ground::FitGround;
@@ -106,8 +106,9 @@ fn refined<'a>(
 /// The answer from the last fit.
 fn answered(mut refinement: MeshRefinement<'_>, system: System, frame: Frame) -> Result<AdaptiveFit, HierarchyError> {
     let uncertainty = refinement.options.uncertainty;
-    let inverse =
-        uncertainty.then(|| timed(&mut refinement.work.inverse, || SelectedInverse::of(&system.factor))).flatten();
+    let inverse = uncertainty
+        .then(|| timed(&mut refinement.work.inverse, || system.factor.whole().and_then(SelectedInverse::of)))
+        .flatten();
     // of the last residuals, once for all that is told of the fit
     let sums = timed(&mut refinement.work.passes, || refinement.passes.sums(&refinement.field))?;
     let traces = inverse.as_ref().map(|inverse| traces(&refinement, &system, &sums, inverse));
@@ -138,7 +139,7 @@ fn answered(mut refinement: MeshRefinement<'_>, system: System, frame: Frame) ->
             plane_p,
             rms: (heights.squares / heights.rows.max(1.0)).sqrt() * frame.scale,
             backward_error: certified,
-            condition: system.factor.condition(),
+            condition: system.factor.whole().map_or(f64::NAN, SparseCholesky::condition),
             factor_entries: system.factor.factor_entries(),
             work: refinement.work,
         },

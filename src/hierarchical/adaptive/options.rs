@@ -55,6 +55,9 @@ pub struct AdaptiveOptions {
     pub deepest_level: usize,
     /// No cell is split any more beyond so many unknowns. Default 2,000,000: about 10 GB of factor.
     pub most_unknowns: usize,
+    /// Numbers in the factor of the equations at most. Where there would be more, conjugate gradients solve them, to the same digits:
+    /// standard uncertainties, degrees of freedom and condition are then not told. Default 500,000,000: 4 GB.
+    pub most_factor_entries: usize,
     /// Which derivatives' squares are the roughness. Default second ones, the thin plate.
     pub roughness: RoughnessOrder,
     /// What happens to outliers.
@@ -79,6 +82,7 @@ impl Default for AdaptiveOptions {
             least_contacts: 16,
             deepest_level: 12,
             most_unknowns: 2_000_000,
+            most_factor_entries: 500_000_000,
             roughness: RoughnessOrder::Second,
             outliers: OutlierRule::Reject { clip: 3.0, reject: 4.5 },
             noise: RowVariances::Estimated,

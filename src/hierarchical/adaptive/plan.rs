@@ -16,7 +16,7 @@ use super::options::AdaptiveOptions;
 use super::{PreparedContacts, answered, refined};
 use crate::equations::{BlockWeights, MeetingPattern};
 use crate::error::HierarchyError;
-use crate::factor::SparseCholesky;
+use crate::factor::EquationSolver;
 use crate::field::HierarchicalField;
 use crate::space::HierarchicalSpace;
 use palpate_geometry::contact::{ContactError, Contacts, Frame, Orientation};
@@ -37,7 +37,7 @@ pub struct AdaptivePlan {
     contacts: HeldContacts,
     weights: BlockWeights,
     pattern: MeetingPattern,
-    factor: SparseCholesky,
+    factor: EquationSolver,
     flat: HierarchicalField,
     /// Dimension of the surfaces without roughness.
     smooth: f64,

@@ -133,7 +133,8 @@ impl<'a> MeshRefinement<'a> {
     }
 
     fn system(&mut self) -> Result<System, HierarchyError> {
-        System::plan(self.field.space().clone(), self.options.roughness, &mut self.work)
+        let AdaptiveOptions { roughness, most_factor_entries, .. } = *self.options;
+        System::plan(self.field.space().clone(), roughness, most_factor_entries, &mut self.work)
     }
 
     /// One step from the surface at hand; `search` likelihoods are asked for lambda, none: it stays.
@@ -160,14 +161,16 @@ impl<'a> MeshRefinement<'a> {
             declared: self.declared,
             smooth,
         };
-        let step = timed(&mut work.factorisation, || equations.solve(&mut system.factor, known, search))?;
+        // without a determinant no likelihood is known: the lambdas of levels move by traces alone
+        let likelihoods = if system.factor.whole().is_some() { search } else { 0 };
+        let step = timed(&mut work.factorisation, || equations.solve(&mut system.factor, known, likelihoods))?;
         work.factorisations += step.factorisations;
         let moved = field.coefficients().iter().zip(&step.delta).map(|(c, d)| c + d).collect();
         *field = HierarchicalField::new(system.space.clone(), moved)?;
         timed(&mut work.passes, || passes.about(field))?;
         self.variance = step.variance;
         self.lambdas.iter_mut().for_each(|lambda| *lambda *= step.factor_of_lambda);
-        if search > 0 && self.lambdas.len() > 1 {
+        if search > 0 && (self.lambdas.len() > 1 || system.factor.whole().is_none()) {
             let (c, lambdas) = (field.coefficients(), &self.lambdas);
             self.lambdas =
                 timed(&mut work.inverse, || lambdas_of_levels(system, lambdas, c, &matrix, step.variance, smooth));

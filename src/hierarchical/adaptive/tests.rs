@@ -266,3 +266,21 @@ fn few_or_faulty_contacts_are_answered_or_refused() {
     let options = AdaptiveOptions { degree: 1, ..AdaptiveOptions::default() };
     assert!(matches!(fit_adaptive(&touched(20, 0.1, 16, smooth), &options), Err(HierarchyError::Option { .. })));
 }
+
+/// The same cells, weights and coefficients without the factor of the whole; what only it knows is not told.
+#[test]
+fn gradients_give_the_fit_of_the_factor() {
+    let contacts = touched(100_000, 0.002, 22, scratched);
+    let whole = fitted(&contacts);
+    let options = AdaptiveOptions { most_factor_entries: 12_000, ..AdaptiveOptions::default() };
+    let fit = fit_adaptive(&contacts, &options).unwrap();
+    assert!(whole.report().factor_entries > 12_000, "{}", whole.report().factor_entries);
+    assert_eq!(fit.report().rounds, whole.report().rounds);
+    assert!(fit.report().backward_error.is_some_and(|error| error < 1e-12), "{:?}", fit.report().backward_error);
+    assert!(fit.report().freedom.is_none() && fit.report().condition.is_nan() && fit.height_sd(0.0, 0.0).is_none());
+    // the last lambdas come by traces alone: less than a tenth of a standard uncertainty
+    for [x, y] in [[0.31, -0.44], [0.3, 0.3], [-0.9, 0.8]] {
+        let off = (fit.at(x, y).z - whole.at(x, y).z).abs();
+        assert!(off < 0.1 * whole.height_sd(x, y).unwrap(), "{off} at {x}, {y}");
+    }
+}

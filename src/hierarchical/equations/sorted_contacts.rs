@@ -134,6 +134,9 @@ impl SortedContacts {
         let contacts = kind.contacts((0..kind.count()).map(joined).collect());
         let codes: Vec<u64> = runs.iter().flat_map(|run| run.codes.iter().copied()).collect();
         let numbers: Vec<u32> = runs.iter().flat_map(|run| run.numbers.iter().copied()).collect();
+        if codes.iter().zip(&numbers).is_sorted() {
+            return Ok(SortedContacts { contacts, codes, numbers });
+        }
         let mut order: Vec<u32> = (0..codes.len() as u32).collect();
         order.sort_unstable_by_key(|r| (codes[*r as usize], numbers[*r as usize]));
         Ok(SortedContacts {

@@ -144,7 +144,12 @@ fn roughness_is_the_integral() {
     sums.add(&sorted, SurfaceCells::of(&zero), &ContactResiduals::of(&sorted, SurfaceCells::of(&zero)), None);
     let pattern = MeetingPattern::of(&space);
     let (values, load) = pattern.assemble(&space, &sums, BlockWeights { heights: 1.0, slopes: 0.0 });
-    let mut factor = crate::factor::SparseCholesky::plan(pattern.starts(), pattern.rows()).unwrap();
+    let mut factor = crate::factor::SparseCholesky::plan(
+        pattern.starts(),
+        pattern.rows(),
+        crate::factor::EliminationOrder::MinimumDegree,
+    )
+    .unwrap();
     factor.factor(&values).unwrap();
     let mut c = load;
     factor.solve(&mut c);

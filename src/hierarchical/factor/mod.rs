@@ -1,9 +1,12 @@
 //! Sparse factors of the normal equations and what follows from them: solutions, determinant, condition, entries of the inverse.
 
+mod equation_solver;
 mod nested_dissection;
+mod schwarz;
 mod selected_inverse;
 mod sparse_cholesky;
 
+pub use equation_solver::EquationSolver;
 pub use selected_inverse::SelectedInverse;
 pub use sparse_cholesky::{EliminationOrder, SparseCholesky};
 
@@ -75,6 +78,22 @@ mod tests {
                     assert_eq!(inverse.entry(column, *row), Some(entry));
                 }
             }
+        }
+    }
+
+    #[test]
+    fn gradients_solve_what_the_factor_solves() {
+        for (wide, high) in [(3, 2), (40, 31), (90, 70)] {
+            let (starts, rows, values) = grid(wide, high);
+            let places: Vec<[f64; 2]> = (0..wide * high).map(|k| [k / high, k % high].map(|t| t as f64)).collect();
+            let mut gradients = EquationSolver::plan(&starts, &rows, &places, 0).unwrap();
+            assert!(gradients.whole().is_none());
+            gradients.factor(&values).unwrap();
+            let exact: Vec<f64> = (0..wide * high).map(|k| (0.3 * k as f64).cos()).collect();
+            let mut v = multiply(&starts, &rows, &values, &exact);
+            gradients.solve(&mut v);
+            assert!(v.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-12));
+            assert!(EquationSolver::plan(&starts, &rows, &places, usize::MAX).unwrap().whole().is_some());
         }
     }
 

@@ -41,6 +41,7 @@ pub struct StoredTiles {
     counts: Vec<usize>,
     /// First and last contacts of every tile, for those beside it.
     edges: Vec<[ContactRun; 2]>,
+    extents: Vec<TileExtent>,
 }
 
 fn failed(error: std::io::Error) -> HierarchyError {
@@ -125,6 +126,7 @@ impl ContactSpool {
             roots,
             counts: Vec::new(),
             edges: Vec::new(),
+            extents: Vec::new(),
         };
         tiles.merge(self.pieces.len())?;
         Ok(tiles)
@@ -182,8 +184,17 @@ fn tiles_of_roots(by_root: &[usize], most: usize) -> Vec<Range<usize>> {
 }
 
 impl StoredTiles {
-    /// Cuts every tile's pieces together.
+    /// Cuts every tile's pieces together, and puts to each what lies beside it.
     fn merge(&mut self, pieces: usize) -> Result<(), HierarchyError> {
+        self.merge_own(pieces)?;
+        (0..self.len()).try_for_each(|tile| {
+            let whole = self.with_sides(tile)?;
+            self.extents.push(whole.extent());
+            fs::write(self.path(tile), whole.pack()).map_err(failed)
+        })
+    }
+
+    fn merge_own(&mut self, pieces: usize) -> Result<(), HierarchyError> {
         for tile in 0..self.roots.len() {
             let path = self.folder.join(format!("pieces-{tile}"));
             let mut file = BufReader::new(File::open(&path).map_err(failed)?);
@@ -219,6 +230,10 @@ impl StoredTiles {
     }
 
     fn tile(&self, tile: usize) -> Result<ContactTile, HierarchyError> {
+        ContactTile::unpack(&fs::read(self.path(tile)).map_err(failed)?)
+    }
+
+    fn with_sides(&self, tile: usize) -> Result<ContactTile, HierarchyError> {
         let own = ContactRun::unpack(&fs::read(self.path(tile)).map_err(failed)?)?;
         let ([earlier, later], before) = beside_tile(&self.counts, tile);
         let tail = |(other, range): &(usize, Range<usize>)| {
@@ -232,11 +247,8 @@ impl StoredTiles {
     }
 
     /// What a fit must know of the tiles.
-    ///
-    /// # Errors
-    /// When they cannot be read.
-    pub fn extents(&self) -> Result<Vec<TileExtent>, HierarchyError> {
-        (0..self.len()).map(|tile| Ok(self.tile(tile)?.extent())).collect()
+    pub fn extents(&self) -> &[TileExtent] {
+        &self.extents
     }
 }
 
@@ -267,6 +279,6 @@ pub fn fit_spooled(
     let mut spool = ContactSpool::new(folder)?;
     pieces.into_iter().try_for_each(|piece| spool.add(&piece?))?;
     let mut tiles = spool.sorted(options, most)?;
-    let (extents, ground) = (tiles.extents()?, tiles.ground().clone());
+    let (extents, ground) = (tiles.extents().to_vec(), tiles.ground().clone());
     super::fit_tiles(&ground, &extents, &mut tiles, options)
 }
