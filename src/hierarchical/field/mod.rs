@@ -5,6 +5,8 @@
 //! ```
 
 mod embedding;
+#[cfg(test)]
+mod gismo_tests;
 mod placed;
 #[cfg(test)]
 mod space_tests;
