@@ -44,9 +44,12 @@ pub struct TileExtent {
 /// Contacts on both sides of a tile's own that are looked at with them: a block of the noise begun before them, or not yet ended.
 const BESIDE: usize = CONTACTS_OF_BLOCK;
 
+/// Tiles and runs of their own contacts, on the side before and on the side behind; and the number of all contacts before these.
+pub type RunsBeside = ([Vec<(usize, Range<usize>)>; 2], usize);
+
 /// Where the contacts beside a tile's own are: for the side before and the side behind, tiles and the runs of their own contacts in
 /// order; and the number of all contacts before them. `counts` are those of all tiles.
-pub fn beside_tile(counts: &[usize], tile: usize) -> ([Vec<(usize, Range<usize>)>; 2], usize) {
+pub fn beside_tile(counts: &[usize], tile: usize) -> RunsBeside {
     let (mut earlier, mut missing) = (Vec::new(), BESIDE);
     for other in (0..tile).rev() {
         let taken = missing.min(counts[other]);

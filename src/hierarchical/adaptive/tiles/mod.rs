@@ -24,7 +24,7 @@ use super::options::AdaptiveOptions;
 use super::{answered, refined};
 use crate::error::HierarchyError;
 pub use contact_run::{ContactRun, TileGround};
-pub use contact_tile::{ContactTile, TileExtent, beside_tile};
+pub use contact_tile::{ContactTile, RunsBeside, TileExtent, beside_tile};
 pub use spooled_contacts::{ContactSpool, StoredTiles, fit_spooled};
 pub use tile_question::TileQuestion;
 pub use tiled_passes::TileSource;
