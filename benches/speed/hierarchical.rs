@@ -269,14 +269,18 @@ impl Held {
 /// Places near a feature lie within two radii of one.
 fn coverage() -> Result<(), Fault> {
     println!(
-        "| contacts | features | z, R held far | z, R held near | places far, near | seconds for the inverse |\n|---|---|---|---|---|---|"
+        "| one halving more | contacts | features | z, R held far | z, R held near | places far, near | seconds for the inverse |\n|---|---|---|---|---|---|---|"
     );
-    for (contacts, features, scenes) in [(50_000, 10, 20), (500_000, 10, 6), (2_000_000, 1000, 1)] {
+    let cases = [(50_000, 10, 20), (500_000, 10, 6), (2_000_000, 1000, 1)];
+    for (last_halving, (contacts, features, scenes)) in
+        [false, true].into_iter().flat_map(|k| cases.map(|case| (k, case)))
+    {
         let mut held = [Held::default(); 2];
         let mut seconds = 0.0;
         for k in 0..scenes {
             let scene = Scene::new(features, 70 + k);
-            let fit = fit_adaptive(&scene.touched(contacts, 170 + k), &AdaptiveOptions::default())?;
+            let options = AdaptiveOptions { last_halving, ..AdaptiveOptions::default() };
+            let fit = fit_adaptive(&scene.touched(contacts, 170 + k), &options)?;
             seconds += fit.report().work.inverse.as_secs_f64();
             let mut draw = Lcg::new(270 + k);
             let mut places: Vec<[f64; 2]> = (0..2000).map(|_| [0, 1].map(|_| 2.0 * draw.uniform() - 1.0)).collect();
@@ -293,7 +297,7 @@ fn coverage() -> Result<(), Fault> {
         }
         let [far, near] = held;
         println!(
-            "| {contacts} | {features} | {} | {} | {}, {} | {:.2} |",
+            "| {last_halving} | {contacts} | {features} | {} | {} | {}, {} | {:.2} |",
             far.shares(),
             near.shares(),
             far.places,

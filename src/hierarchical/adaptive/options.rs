@@ -67,6 +67,10 @@ pub struct AdaptiveOptions {
     /// Whether noise that is estimated may differ from place to place: contacts then count by the residuals of the 2,000 nearest in the
     /// order of the cells. Default yes: it costs 1 % of the efficiency where the noise is even, and intervals hold where it is not.
     pub noise_varies: bool,
+    /// Whether the cells of what was followed are halved once more when only noise is left. What is too small to be told from noise
+    /// bends surfaces all the same: without that level intervals of R near features of three to ten standard deviations hold 91 to 92 % of
+    /// the time, with it 98 to 99.6 %, at four times the unknowns there. Default no.
+    pub last_halving: bool,
     /// Whether the entries of the inverse are computed, which standard uncertainties ask for. Default yes.
     pub uncertainty: bool,
 }
@@ -87,6 +91,7 @@ impl Default for AdaptiveOptions {
             outliers: OutlierRule::Reject { clip: 3.0, reject: 4.5 },
             noise: RowVariances::Estimated,
             noise_varies: true,
+            last_halving: false,
             uncertainty: true,
         }
     }

@@ -65,6 +65,8 @@ pub(super) struct MeshRefinement<'a> {
     declared: Option<f64>,
     /// Cells that were split because they held more than noise.
     suspected: BTreeSet<CellId>,
+    /// Whether what was followed has been halved once more.
+    halved: bool,
     pub rounds: Vec<RefinementRound>,
     pub work: FitWork,
 }
@@ -91,6 +93,7 @@ impl<'a> MeshRefinement<'a> {
             variance: 0.0,
             declared,
             suspected: BTreeSet::new(),
+            halved: false,
             rounds: Vec::new(),
             work: FitWork::default(),
         })
@@ -109,6 +112,13 @@ impl<'a> MeshRefinement<'a> {
             let split = self.find_cells()?;
             let (cells, unknowns) = (system.space.leaves().len(), system.space.unknowns());
             self.rounds.push(RefinementRound { cells, unknowns, split: split.len() });
+            if split.is_empty() && self.wants_halving() {
+                self.halved = true;
+                let more = self.followed_leaves(&system.space);
+                self.clip()?;
+                self.split(&system.space, &more)?;
+                continue;
+            }
             if split.is_empty() || unknowns > self.options.most_unknowns || self.rounds.len() > most {
                 self.finish(&mut system)?;
                 return Ok(system);
@@ -116,6 +126,20 @@ impl<'a> MeshRefinement<'a> {
             self.clip()?;
             self.split(&system.space, &split)?;
         }
+    }
+
+    fn wants_halving(&self) -> bool {
+        self.options.last_halving && !self.halved && !self.suspected.is_empty()
+    }
+
+    /// Leaves whose parents held more than noise.
+    fn followed_leaves(&self, space: &HierarchicalSpace) -> Vec<usize> {
+        let followed = |cell: &CellId| {
+            let parent = cell.level.checked_sub(1).map(|level| cell.ancestor(level));
+            usize::from(cell.level) < self.options.deepest_level && parent.is_some_and(|p| self.suspected.contains(&p))
+        };
+        let leaves = space.leaves().iter().enumerate();
+        leaves.filter(|(_, cell)| followed(cell)).map(|(leaf, _)| leaf).collect()
     }
 
     /// Nothing is known of lambda, of the shares or of the slopes that normals are linear about: each fit makes the next one better.
@@ -226,7 +250,9 @@ impl<'a> MeshRefinement<'a> {
                 break;
             }
         }
-        self.lambdas.iter_mut().skip(1).for_each(|lambda| *lambda *= UNDERSMOOTHING);
+        if !self.halved {
+            self.lambdas.iter_mut().skip(1).for_each(|lambda| *lambda *= UNDERSMOOTHING);
+        }
         self.step(system, 0)?;
         // rows of normals are linear about the surface before the step, and that one was of other lambdas
         if self.passes.columns().normals { self.step(system, 0) } else { Ok(()) }
