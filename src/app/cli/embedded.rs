@@ -27,7 +27,7 @@ pub use super::embedded_diff::diff;
 pub use super::embedded_fits::{AskedSurface, FitAnswer, FitRefusal, NamedArray, adaptive_spline_of, parts_of};
 pub use super::embedded_live::{LiveAnswer, LiveLoop, LiveReply, check_touch};
 pub use super::embedded_tiles::{
-    AskTiles, TileSides, TiledFit, contact_tile, merged_runs, part_bounds, part_run, run_of_roots, run_slice,
+    AskTiles, PartRun, TileSides, TiledFit, contact_tile, merged_runs, part_bounds, part_run, run_of_roots, run_slice,
     tile_answer, tile_sides,
 };
 use super::explore::{ExploreArgs, explore_in_memory};

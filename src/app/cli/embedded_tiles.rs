@@ -23,6 +23,9 @@ use palpate_hierarchical::adaptive::{AdaptiveOptions, ContactBounds};
 /// number of contacts before all of these.
 pub type TileSides = ([Vec<(usize, [usize; 2])>; 2], usize);
 
+/// A run as bytes, its contacts in every base cell, and places by which the outline of all is drawn.
+pub type PartRun = (Vec<u8>, Vec<usize>, Vec<[f64; 2]>);
+
 /// How many contacts there are, and least and largest x, y and z of them.
 ///
 /// # Errors
@@ -38,12 +41,7 @@ pub fn part_bounds(contacts: &Contacts) -> Result<(usize, [[f64; 2]; 3]), String
 ///
 /// # Errors
 /// What is wrong with the contacts.
-pub fn part_run(
-    contacts: &Contacts,
-    ground: &[u8],
-    first: usize,
-    total: usize,
-) -> Result<(Vec<u8>, Vec<usize>, Vec<[f64; 2]>), String> {
+pub fn part_run(contacts: &Contacts, ground: &[u8], first: usize, total: usize) -> Result<PartRun, String> {
     let ground = TileGround::unpack(ground).map_err(words)?;
     let run = ContactRun::of(contacts, &ground, first).map_err(words)?;
     let step = Outline::step_of(total);
