@@ -127,9 +127,9 @@ fn words(error: HierarchyError) -> String {
 /// Whoever has the tiles: questions in their order, answers in the same.
 pub type AskTiles<'a> = &'a mut dyn FnMut(Vec<Vec<u8>>) -> Result<Vec<Vec<f64>>, String>;
 
-struct Asked<'a>(AskTiles<'a>);
+struct AskedTiles<'a>(AskTiles<'a>);
 
-impl TileSource for Asked<'_> {
+impl TileSource for AskedTiles<'_> {
     fn answers(&mut self, questions: Vec<TileQuestion>) -> Result<Vec<Vec<f64>>, HierarchyError> {
         (self.0)(questions.iter().map(TileQuestion::pack).collect()).map_err(|what| HierarchyError::Parts { what })
     }
@@ -183,7 +183,7 @@ impl TiledFit {
         let wrong = |error| FitRefusal::from(refused(error, 0, &self.options));
         let extents: Vec<TileExtent> =
             extents.iter().map(|bytes| TileExtent::unpack(bytes)).collect::<Result<_, _>>().map_err(wrong)?;
-        let fit = fit_tiles(&self.ground, &extents, &mut Asked(ask), &self.asked).map_err(wrong)?;
+        let fit = fit_tiles(&self.ground, &extents, &mut AskedTiles(ask), &self.asked).map_err(wrong)?;
         let (x, y) = shown.iter().map(|[x, y]| (*x, *y)).unzip();
         let places = Contacts::from_positions(x, y, vec![0.0; shown.len()]);
         let found = adaptive_found(fit, &places, &self.options, self.grid.unwrap_or(GRID));

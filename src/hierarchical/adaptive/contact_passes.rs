@@ -28,21 +28,21 @@ pub(crate) struct PassColumns {
 
 /// Contacts that count for nothing: how many, and which, as a sum of scrambled numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct LeftOut {
+pub(crate) struct LeftOutContacts {
     pub count: usize,
     pub fingerprint: u64,
 }
 
-impl LeftOut {
-    pub(super) fn of(numbers: impl Iterator<Item = usize>) -> LeftOut {
-        numbers.fold(LeftOut::default(), |sum, number| {
-            sum.with(LeftOut { count: 1, fingerprint: scrambled(number as u64) })
+impl LeftOutContacts {
+    pub(super) fn of(numbers: impl Iterator<Item = usize>) -> LeftOutContacts {
+        numbers.fold(LeftOutContacts::default(), |sum, number| {
+            sum.with(LeftOutContacts { count: 1, fingerprint: scrambled(number as u64) })
         })
     }
 
-    pub(super) fn with(self, other: LeftOut) -> LeftOut {
+    pub(super) fn with(self, other: LeftOutContacts) -> LeftOutContacts {
         let fingerprint = self.fingerprint.wrapping_add(other.fingerprint);
-        LeftOut { count: self.count + other.count, fingerprint }
+        LeftOutContacts { count: self.count + other.count, fingerprint }
     }
 }
 
@@ -74,7 +74,7 @@ pub(crate) trait ContactPasses {
     fn evidence(&mut self, field: &HierarchicalField, limits: SplitLimits)
     -> Result<Vec<CellEvidence>, HierarchyError>;
     /// Who counts for nothing.
-    fn left_out(&mut self, field: &HierarchicalField) -> Result<LeftOut, HierarchyError>;
+    fn left_out(&mut self, field: &HierarchicalField) -> Result<LeftOutContacts, HierarchyError>;
     /// Their numbers, ascending.
     fn outliers(&mut self, field: &HierarchicalField) -> Result<Vec<usize>, HierarchyError>;
     /// Of all contacts, by their shares.

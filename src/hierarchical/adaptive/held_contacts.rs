@@ -1,6 +1,8 @@
 //! Contacts in memory: residuals and shares are kept from pass to pass.
 
-use super::contact_passes::{CellContacts, ContactPasses, LeftOut, PassColumns, PlaneMoments, PlaneSquares, added};
+use super::contact_passes::{
+    CellContacts, ContactPasses, LeftOutContacts, PassColumns, PlaneMoments, PlaneSquares, added,
+};
 use super::local_scale::{LocalScales, ShareRule, block_scales, noise_ratios, shares, weigh_by_noise};
 use super::split_test::{CellEvidence, SplitLimits, SplitTest};
 use crate::equations::{CellSums, ContactResiduals, SortedContacts, SumLayout, SurfaceCells};
@@ -71,8 +73,8 @@ impl ContactPasses for HeldContacts {
         Ok(SplitTest { surface, contacts, residuals, scales: &scales, limits }.evidence())
     }
 
-    fn left_out(&mut self, field: &HierarchicalField) -> Result<LeftOut, HierarchyError> {
-        Ok(LeftOut::of(self.cells(field).left_out()))
+    fn left_out(&mut self, field: &HierarchicalField) -> Result<LeftOutContacts, HierarchyError> {
+        Ok(LeftOutContacts::of(self.cells(field).left_out()))
     }
 
     fn outliers(&mut self, field: &HierarchicalField) -> Result<Vec<usize>, HierarchyError> {

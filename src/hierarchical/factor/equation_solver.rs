@@ -7,11 +7,11 @@ use crate::error::HierarchyError;
 /// Equations of one pattern, solved one way or the other.
 #[derive(Clone, Debug)]
 pub struct EquationSolver {
-    way: Way,
+    way: SolutionWay,
 }
 
 #[derive(Clone, Debug)]
-enum Way {
+enum SolutionWay {
     Factor(Box<SparseCholesky>),
     Gradients(Box<SchwarzSolver>),
 }
@@ -32,9 +32,9 @@ impl EquationSolver {
     ) -> Result<EquationSolver, HierarchyError> {
         let factor = SparseCholesky::plan(starts, rows, EliminationOrder::NestedDissection(places))?;
         let way = if factor.factor_entries() <= most_entries {
-            Way::Factor(Box::new(factor))
+            SolutionWay::Factor(Box::new(factor))
         } else {
-            Way::Gradients(Box::new(SchwarzSolver::plan(starts, rows, places)?))
+            SolutionWay::Gradients(Box::new(SchwarzSolver::plan(starts, rows, places)?))
         };
         Ok(EquationSolver { way })
     }
@@ -45,16 +45,16 @@ impl EquationSolver {
     /// As [`SparseCholesky::factor`].
     pub fn factor(&mut self, values: &[f64]) -> Result<(), HierarchyError> {
         match &mut self.way {
-            Way::Factor(factor) => factor.factor(values),
-            Way::Gradients(gradients) => gradients.factor(values),
+            SolutionWay::Factor(factor) => factor.factor(values),
+            SolutionWay::Gradients(gradients) => gradients.factor(values),
         }
     }
 
     /// `v <- A^-1 v`.
     pub fn solve(&self, v: &mut [f64]) {
         match &self.way {
-            Way::Factor(factor) => factor.solve(v),
-            Way::Gradients(gradients) => {
+            SolutionWay::Factor(factor) => factor.solve(v),
+            SolutionWay::Gradients(gradients) => {
                 gradients.solve(v);
             }
         }
@@ -63,16 +63,16 @@ impl EquationSolver {
     /// The factor of the whole, where there is one: it alone knows determinant, condition and entries of the inverse.
     pub fn whole(&self) -> Option<&SparseCholesky> {
         match &self.way {
-            Way::Factor(factor) => Some(factor),
-            Way::Gradients(_) => None,
+            SolutionWay::Factor(factor) => Some(factor),
+            SolutionWay::Gradients(_) => None,
         }
     }
 
     /// Numbers in the factors that there are.
     pub fn factor_entries(&self) -> usize {
         match &self.way {
-            Way::Factor(factor) => factor.factor_entries(),
-            Way::Gradients(gradients) => gradients.entries(),
+            SolutionWay::Factor(factor) => factor.factor_entries(),
+            SolutionWay::Gradients(gradients) => gradients.entries(),
         }
     }
 }

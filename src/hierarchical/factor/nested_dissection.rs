@@ -58,7 +58,7 @@ pub(super) fn nested_dissection(starts: &[usize], rows: &[usize], places: &[[f64
 }
 
 /// A set in three parts.
-struct Cut {
+struct DissectedSet {
     left: Vec<u32>,
     right: Vec<u32>,
     separator: Vec<u32>,
@@ -77,7 +77,7 @@ impl Cutter<'_> {
     /// The depth is that of halvings.
     fn append(&mut self, set: Vec<u32>) {
         let cut = if set.len() > SMALLEST { self.best_cut(&set) } else { None };
-        let Some(Cut { left, right, separator }) = cut else {
+        let Some(DissectedSet { left, right, separator }) = cut else {
             self.order.extend(set.into_iter().map(|unknown| unknown as usize));
             return;
         };
@@ -87,13 +87,13 @@ impl Cutter<'_> {
         self.order.extend(separator.into_iter().map(|unknown| unknown as usize));
     }
 
-    fn best_cut(&mut self, set: &[u32]) -> Option<Cut> {
+    fn best_cut(&mut self, set: &[u32]) -> Option<DissectedSet> {
         let cuts = [0, 1].map(|axis| self.cut(set, axis));
         cuts.into_iter().flatten().min_by_key(|cut| cut.separator.len())
     }
 
     /// Across one axis at the median; `None` where nothing is left of one half.
-    fn cut(&mut self, set: &[u32], axis: usize) -> Option<Cut> {
+    fn cut(&mut self, set: &[u32], axis: usize) -> Option<DissectedSet> {
         let place = |unknown: &u32| self.places[*unknown as usize][axis];
         let mut sorted: Vec<f64> = set.iter().map(place).collect();
         let (_, median, _) = sorted.select_nth_unstable_by(set.len() / 2, f64::total_cmp);
@@ -112,9 +112,9 @@ impl Cutter<'_> {
         let (last_of_left, inner_left): (Vec<u32>, Vec<u32>) = left.iter().partition(|u| meets(u, of_right));
         let (first_of_right, inner_right): (Vec<u32>, Vec<u32>) = right.iter().partition(|u| meets(u, of_left));
         let cut = if last_of_left.len() <= first_of_right.len() {
-            Cut { left: inner_left, right, separator: last_of_left }
+            DissectedSet { left: inner_left, right, separator: last_of_left }
         } else {
-            Cut { left, right: inner_right, separator: first_of_right }
+            DissectedSet { left, right: inner_right, separator: first_of_right }
         };
         (!cut.left.is_empty() && !cut.right.is_empty()).then_some(cut)
     }

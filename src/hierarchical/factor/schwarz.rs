@@ -27,7 +27,7 @@ pub(super) struct SchwarzSolver {
     starts: Vec<usize>,
     rows: Vec<usize>,
     values: Vec<f64>,
-    blocks: Vec<Block>,
+    blocks: Vec<SchwarzBlock>,
     /// Nodes of the coarse grid that an unknown has a share of.
     shares: Vec<[(u32, f64); 4]>,
     coarse: SparseCholesky,
@@ -35,7 +35,7 @@ pub(super) struct SchwarzSolver {
 
 /// A block with its own factor.
 #[derive(Clone, Debug)]
-struct Block {
+struct SchwarzBlock {
     unknowns: Vec<u32>,
     /// Places of its matrix's entries among those of the whole.
     entries: Vec<usize>,
@@ -56,7 +56,7 @@ impl SchwarzSolver {
             }
         }
         let meetings = columns_of_all(starts, rows);
-        let blocks = threads::map(cores.len(), 1, |k| Block::plan(&cores[k], &meetings, [starts, rows], places));
+        let blocks = threads::map(cores.len(), 1, |k| SchwarzBlock::plan(&cores[k], &meetings, [starts, rows], places));
         let (shares, nodes) = coarse_shares(places);
         // a full upper triangle
         let full: Vec<usize> = (0..nodes).flat_map(|column| 0..=column).collect();
@@ -70,7 +70,7 @@ impl SchwarzSolver {
     pub(super) fn factor(&mut self, values: &[f64]) -> Result<(), HierarchyError> {
         self.values = values.to_vec();
         let mut outcomes = vec![Ok(()); self.blocks.len()];
-        let mut work: Vec<(&mut Block, &mut Result<(), HierarchyError>)> =
+        let mut work: Vec<(&mut SchwarzBlock, &mut Result<(), HierarchyError>)> =
             self.blocks.iter_mut().zip(&mut outcomes).collect();
         threads::each(&mut work, |_, (block, outcome)| {
             let own: Vec<f64> = block.entries.iter().map(|at| values[*at]).collect();
@@ -210,13 +210,13 @@ fn columns_of_all(starts: &[usize], rows: &[usize]) -> Vec<Vec<u32>> {
     all
 }
 
-impl Block {
+impl SchwarzBlock {
     fn plan(
         core: &[u32],
         meetings: &[Vec<u32>],
         [starts, rows]: [&[usize]; 2],
         places: &[[f64; 2]],
-    ) -> Result<Block, HierarchyError> {
+    ) -> Result<SchwarzBlock, HierarchyError> {
         let mut unknowns: Vec<u32> = core.iter().flat_map(|unknown| &meetings[*unknown as usize]).copied().collect();
         unknowns.sort_unstable();
         unknowns.dedup();
@@ -232,7 +232,7 @@ impl Block {
         }
         let own_places: Vec<[f64; 2]> = unknowns.iter().map(|unknown| places[*unknown as usize]).collect();
         let factor = SparseCholesky::plan(&own_starts, &own_rows, EliminationOrder::NestedDissection(&own_places))?;
-        Ok(Block { unknowns, entries, factor })
+        Ok(SchwarzBlock { unknowns, entries, factor })
     }
 }
 

@@ -10,8 +10,9 @@ use std::ops::Range;
 
 use super::contact_run::{ContactRun, TileGround};
 use super::packed::{Packer, Unpacker};
+use super::tile_extent::TileExtent;
 use super::tile_question::{TileAsk, TileQuestion};
-use crate::adaptive::contact_passes::{CellContacts, LeftOut};
+use crate::adaptive::contact_passes::{CellContacts, LeftOutContacts};
 use crate::adaptive::local_scale::{CONTACTS_OF_BLOCK, LocalScales, block_scales, shares, weigh_by_noise};
 use crate::adaptive::split_test::SplitTest;
 use crate::equations::{CellSums, ColumnKind, ContactResiduals, SumLayout};
@@ -29,16 +30,6 @@ pub struct ContactTile {
     /// Contacts of all before the first of the run, and of all.
     before: usize,
     total: usize,
-}
-
-/// What whoever asks must know of a tile.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TileExtent {
-    pub(super) roots: Range<usize>,
-    /// Codes of the first and the last contact that it has; none without contacts.
-    pub(super) codes: Option<[u64; 2]>,
-    pub(super) kind: u64,
-    pub(super) total: usize,
 }
 
 /// Contacts on both sides of a tile's own that are looked at with them: a block of the noise begun before them, or not yet ended.
@@ -129,7 +120,7 @@ impl ContactTile {
             }
             TileAsk::BlockScales => block_scales(contacts, &residuals, self.own.clone(), [self.before, self.total]),
             TileAsk::LeftOut => {
-                let LeftOut { count, fingerprint } = LeftOut::of(cells.left_out());
+                let LeftOutContacts { count, fingerprint } = LeftOutContacts::of(cells.left_out());
                 vec![count as f64, (fingerprint >> 32) as f64, (fingerprint & 0xffff_ffff) as f64]
             }
             TileAsk::Outliers => cells.left_out().map(|number| number as f64).collect(),
@@ -172,29 +163,5 @@ impl ContactTile {
         let run = ContactRun::read(&mut reader)?;
         reader.end()?;
         Ok(ContactTile { ground, run, roots, own, before, total })
-    }
-}
-
-impl TileExtent {
-    /// As bytes.
-    pub fn pack(&self) -> Vec<u8> {
-        let mut packer = Packer::default();
-        let sizes = [self.roots.start, self.roots.end, self.total].map(|k| k as u64);
-        packer.words(&[sizes[0], sizes[1], sizes[2], self.kind]);
-        packer.words(self.codes.as_ref().map_or(&[], |codes| &codes[..]));
-        packer.bytes
-    }
-
-    /// From bytes.
-    ///
-    /// # Errors
-    /// [`HierarchyError::Parts`].
-    pub fn unpack(bytes: &[u8]) -> Result<TileExtent, HierarchyError> {
-        let mut reader = Unpacker::new(bytes);
-        let (sizes, codes) = (reader.words()?, reader.words()?);
-        reader.end()?;
-        let [from, to, total, kind] = sizes[..] else { return Err(super::packed::damaged()) };
-        let codes = <[u64; 2]>::try_from(codes).ok();
-        Ok(TileExtent { roots: from as usize..to as usize, codes, kind, total: total as usize })
     }
 }

@@ -14,6 +14,7 @@ mod packed;
 mod spooled_contacts;
 #[cfg(test)]
 mod tests;
+mod tile_extent;
 mod tile_question;
 mod tiled_passes;
 
@@ -24,8 +25,9 @@ use super::options::AdaptiveOptions;
 use super::{answered, refined};
 use crate::error::HierarchyError;
 pub use contact_run::{ContactRun, TileGround};
-pub use contact_tile::{ContactTile, RunsBeside, TileExtent, beside_tile};
+pub use contact_tile::{ContactTile, RunsBeside, beside_tile};
 pub use spooled_contacts::{ContactSpool, StoredTiles, fit_spooled};
+pub use tile_extent::TileExtent;
 pub use tile_question::TileQuestion;
 pub use tiled_passes::TileSource;
 use tiled_passes::TiledPasses;

@@ -10,8 +10,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::contact_run::{ContactRun, TileGround};
-use super::contact_tile::{ContactTile, TileExtent, beside_tile};
+use super::contact_tile::{ContactTile, beside_tile};
 use super::packed::{Packer, Unpacker, damaged};
+use super::tile_extent::TileExtent;
 use super::tile_question::TileQuestion;
 use super::tiled_passes::TileSource;
 use crate::adaptive::answer::AdaptiveFit;

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::contact_tile::TileExtent;
 use super::packed::{Packer, Unpacker, damaged};
+use super::tile_extent::TileExtent;
 use crate::adaptive::local_scale::ShareRule;
 use crate::adaptive::split_test::SplitLimits;
 use crate::equations::{SurfaceCells, codes_of_cell};

@@ -1,8 +1,8 @@
 //! Passes over tiles: each is asked, and what they say stands one behind another as if one had said it.
 
-use super::contact_tile::TileExtent;
+use super::tile_extent::TileExtent;
 use super::tile_question::{SentSurface, TileAsk, TileQuestion, Weighing};
-use crate::adaptive::contact_passes::{ContactPasses, LeftOut, PassColumns, PlaneMoments, PlaneSquares, added};
+use crate::adaptive::contact_passes::{ContactPasses, LeftOutContacts, PassColumns, PlaneMoments, PlaneSquares, added};
 use crate::adaptive::local_scale::{ShareRule, noise_ratios};
 use crate::adaptive::split_test::{CellEvidence, SplitLimits};
 use crate::equations::{CellSums, ColumnKind, SumLayout};
@@ -120,11 +120,11 @@ impl ContactPasses for TiledPasses<'_> {
         Ok(rows.into_iter().map(|[significance, excess]| CellEvidence { significance, excess }).collect())
     }
 
-    fn left_out(&mut self, field: &HierarchicalField) -> Result<LeftOut, HierarchyError> {
-        let mut sum = LeftOut::default();
+    fn left_out(&mut self, field: &HierarchicalField) -> Result<LeftOutContacts, HierarchyError> {
+        let mut sum = LeftOutContacts::default();
         for answer in self.ask(field, TileAsk::LeftOut)? {
             let [count, high, low] = answer[..] else { return Err(wrong("tiles that do not answer")) };
-            sum = sum.with(LeftOut { count: count as usize, fingerprint: (high as u64) << 32 | low as u64 });
+            sum = sum.with(LeftOutContacts { count: count as usize, fingerprint: (high as u64) << 32 | low as u64 });
         }
         Ok(sum)
     }
