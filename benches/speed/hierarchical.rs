@@ -1,22 +1,30 @@
-//! Adaptive fits over hierarchical splines: `cargo bench --bench hierarchical [-- table | false | coverage | evaluate]`.
+//! Adaptive fits over hierarchical splines: `cargo bench -p palpate-hierarchical --features threads --bench hierarchical [-- WORD]`.
 //!
 //! ```text
 //! table      1e4 .. 1e7 contacts of one smooth surface with 0, 10 and 1,000 bumps: time, memory, unknowns, error, factor's share
 //! false      cells split where the surface is in the span of the base grid
 //! coverage   how often height and R +- 1.96 u hold the truth, near bumps and far from them
+//! orders     nonzeros and seconds of the factor by minimum degree and by nested dissection; `orders FOLDER` writes the matrices there
+//! gradients  the same fit by the factor and by conjugate gradients: time, memory of the factors, difference
+//! stream     N contacts with 1,000 bumps that come in pieces and are never in memory at once: time, memory, the bits of the fit in memory
 //! evaluate   nanoseconds a point with two derivatives, beside the tensor spline with the cells of the finest level
 //! ```
 //!
 //! Every row of the table is a process of its own, which says its peak memory. Contacts are made before the clock starts.
 
+use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use std::time::Instant;
 
+use palpate_fitting::observation::RoughnessOrder;
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::Derivatives;
 use palpate_geometry::surface::{HeightField, Surface};
+use palpate_hierarchical::adaptive::tiles::fit_spooled;
 use palpate_hierarchical::adaptive::{AdaptiveFit, AdaptiveOptions, fit_adaptive};
+use palpate_hierarchical::equations::MeetingPattern;
+use palpate_hierarchical::factor::{EliminationOrder, SparseCholesky};
 use palpate_hierarchical::field::HierarchicalField;
 use palpate_hierarchical::mesh::{CellId, Mesh};
 use palpate_hierarchical::space::HierarchicalSpace;
@@ -37,8 +45,13 @@ fn main() -> Result<(), Fault> {
         ["false"] => false_splits(),
         ["coverage"] => coverage(),
         ["evaluate"] => evaluate(),
+        ["orders"] => orders(None),
+        ["orders", folder] => orders(Some(Path::new(folder))),
+        ["gradients"] => gradients(),
+        ["stream"] => stream(10_000_000, true),
+        ["stream", contacts] => stream(contacts.parse()?, false),
         [] | ["table"] => table(10_000_000),
-        _ => Err("table [MOST], false, coverage, evaluate".into()),
+        _ => Err("table [MOST], false, coverage, evaluate, orders [FOLDER], gradients, stream [CONTACTS]".into()),
     }
 }
 
@@ -85,7 +98,10 @@ impl Scene {
     }
 
     fn touched(&self, count: usize, seed: u64) -> Contacts {
-        let mut draw = Lcg::new(seed);
+        self.touched_by(count, &mut Lcg::new(seed))
+    }
+
+    fn touched_by(&self, count: usize, draw: &mut Lcg) -> Contacts {
         let mut columns = [0, 1, 2].map(|_| Vec::with_capacity(count));
         for _ in 0..count {
             let [x, y] = [0, 1].map(|_| 2.0 * draw.uniform() - 1.0);
@@ -253,14 +269,18 @@ impl Held {
 /// Places near a feature lie within two radii of one.
 fn coverage() -> Result<(), Fault> {
     println!(
-        "| contacts | features | z, R held far | z, R held near | places far, near | seconds for the inverse |\n|---|---|---|---|---|---|"
+        "| one halving more | contacts | features | z, R held far | z, R held near | places far, near | seconds for the inverse |\n|---|---|---|---|---|---|---|"
     );
-    for (contacts, features, scenes) in [(50_000, 10, 20), (500_000, 10, 6), (2_000_000, 1000, 1)] {
+    let cases = [(50_000, 10, 20), (500_000, 10, 6), (2_000_000, 1000, 1)];
+    for (last_halving, (contacts, features, scenes)) in
+        [false, true].into_iter().flat_map(|k| cases.map(|case| (k, case)))
+    {
         let mut held = [Held::default(); 2];
         let mut seconds = 0.0;
         for k in 0..scenes {
             let scene = Scene::new(features, 70 + k);
-            let fit = fit_adaptive(&scene.touched(contacts, 170 + k), &AdaptiveOptions::default())?;
+            let options = AdaptiveOptions { last_halving, ..AdaptiveOptions::default() };
+            let fit = fit_adaptive(&scene.touched(contacts, 170 + k), &options)?;
             seconds += fit.report().work.inverse.as_secs_f64();
             let mut draw = Lcg::new(270 + k);
             let mut places: Vec<[f64; 2]> = (0..2000).map(|_| [0, 1].map(|_| 2.0 * draw.uniform() - 1.0)).collect();
@@ -277,7 +297,7 @@ fn coverage() -> Result<(), Fault> {
         }
         let [far, near] = held;
         println!(
-            "| {contacts} | {features} | {} | {} | {}, {} | {:.2} |",
+            "| {last_halving} | {contacts} | {features} | {} | {} | {}, {} | {:.2} |",
             far.shares(),
             near.shares(),
             far.places,
@@ -314,6 +334,141 @@ fn evaluate() -> Result<(), Fault> {
         let (cells, ones) = (space.leaves().len(), vec![0.5; space.unknowns()]);
         let field = HierarchicalField::new(space, ones)?;
         timed(&format!("hierarchical, {levels} levels more"), cells, &|x, y| field.jet([x, y]).derivatives.uu[2]);
+    }
+    Ok(())
+}
+
+/// Contacts of a piece, and of a tile at most.
+const PIECE: usize = 1_000_000;
+const TILE: usize = 1_000_000;
+
+/// Contacts drawn piece by piece.
+fn stream(contacts: usize, compared: bool) -> Result<(), Fault> {
+    let scene = Scene::new(1000, 7);
+    let options = AdaptiveOptions { uncertainty: false, ..AdaptiveOptions::default() };
+    let mut draw = Lcg::new(8);
+    let pieces =
+        (0..contacts.div_ceil(PIECE)).map(|k| Ok(scene.touched_by(PIECE.min(contacts - k * PIECE), &mut draw)));
+    let folder = std::env::temp_dir().join(format!("palpate-stream-{}", std::process::id()));
+    let begun = Instant::now();
+    let fit = fit_spooled(pieces, &options, &folder, TILE)?;
+    let (seconds, memory) = (begun.elapsed().as_secs_f64(), peak()?);
+    println!(
+        "| contacts | MB of contacts | seconds, drawing included | MB at most | unknowns | sigma found/true | error/sigma | found |\n|---|---|---|---|---|---|---|---|"
+    );
+    println!(
+        "| {contacts} | {:.0} | {seconds:.1} | {memory:.0} | {} | {:.3} | {:.4} | {} |",
+        24e-6 * contacts as f64,
+        fit.unknowns(),
+        fit.height_noise() / NOISE,
+        error(&scene, &fit) / NOISE,
+        scene.found(&fit),
+    );
+    if compared {
+        let whole = fit_adaptive(&scene.touched(contacts, 8), &options)?;
+        let bits = |fit: &AdaptiveFit| fit.field().coefficients().iter().map(|c| c.to_bits()).collect::<Vec<u64>>();
+        println!("the bits of the fit in memory: {}", bits(&fit) == bits(&whole));
+    }
+    Ok(())
+}
+
+/// Matrices of fits, and of tensor grids.
+fn orders(folder: Option<&Path>) -> Result<(), Fault> {
+    println!(
+        "| matrix | unknowns | entries of A | order | numbers in the factor | products | plan s | factor s | solve ms |\n|---|---|---|---|---|---|---|---|---|"
+    );
+    for segments in [64, 256] {
+        let knots = || Knots::uniform(3, segments, -1.0, 1.0);
+        order_of(&format!("grid-{segments}"), &HierarchicalSpace::new(Mesh::new([knots()?, knots()?])?), folder)?;
+    }
+    for (contacts, features) in [(1_000_000, 10), (1_000_000, 1000), (10_000_000, 1000)] {
+        let options = AdaptiveOptions { uncertainty: false, ..AdaptiveOptions::default() };
+        let fit = fit_adaptive(&Scene::new(features, 7).touched(contacts, 8), &options)?;
+        order_of(&format!("fit-{contacts}-{features}"), fit.field().space(), folder)?;
+    }
+    Ok(())
+}
+
+/// Roughness of the space, and every diagonal entry doubled: the pattern of its normal equations.
+fn order_of(name: &str, space: &HierarchicalSpace, folder: Option<&Path>) -> Result<(), Fault> {
+    let pattern = MeetingPattern::of(space);
+    let mut values = vec![0.0; pattern.rows().len()];
+    pattern.roughness(space, RoughnessOrder::Second).iter().for_each(|level| level.add_to(1.0, &mut values));
+    pattern.starts()[1..].iter().for_each(|end| values[end - 1] *= 2.0);
+    if let Some(folder) = folder {
+        let mut text = format!("{} {}\n", pattern.order(), values.len());
+        for column in 0..pattern.order() {
+            for at in pattern.starts()[column]..pattern.starts()[column + 1] {
+                text.push_str(&format!("{} {column} {:e}\n", pattern.rows()[at], values[at]));
+            }
+        }
+        std::fs::write(folder.join(format!("{name}.txt")), text)?;
+    }
+    let places = space.places();
+    let orders = [
+        ("minimum degree", EliminationOrder::MinimumDegree),
+        ("dissection", EliminationOrder::NestedDissection(&places)),
+    ];
+    for (order, by) in orders {
+        let begun = Instant::now();
+        let mut factor = SparseCholesky::plan(pattern.starts(), pattern.rows(), by)?;
+        let planned = begun.elapsed().as_secs_f64();
+        let mut best = [f64::INFINITY; 2];
+        for _ in 0..5 {
+            let begun = Instant::now();
+            factor.factor(&values)?;
+            let factored = begun.elapsed().as_secs_f64();
+            let mut v = vec![1.0; pattern.order()];
+            factor.solve(&mut v);
+            best = [best[0].min(factored), best[1].min(begun.elapsed().as_secs_f64() - factored)];
+        }
+        println!(
+            "| {name} | {} | {} | {order} | {} | {:.2e} | {planned:.3} | {:.3} | {:.1} |",
+            pattern.order(),
+            values.len(),
+            factor.factor_entries(),
+            factor.multiply_adds(),
+            best[0],
+            1e3 * best[1],
+        );
+    }
+    Ok(())
+}
+
+/// The factor of the whole, and conjugate gradients where it would have more than a tenth of a million numbers.
+fn gradients() -> Result<(), Fault> {
+    println!(
+        "| contacts | features | by | seconds | of them factors and solutions | unknowns | numbers in factors | backward error | \
+         off the other, sigma |\n|---|---|---|---|---|---|---|---|---|"
+    );
+    for (contacts, features) in [(100_000, 1000), (1_000_000, 1000)] {
+        let touched = Scene::new(features, 7).touched(contacts, 8);
+        let mut fits: Vec<AdaptiveFit> = Vec::new();
+        for (by, most_factor_entries) in [("factor", usize::MAX), ("gradients", 100_000)] {
+            // the entries of the inverse are no part of what is compared
+            let options = AdaptiveOptions { most_factor_entries, ..AdaptiveOptions::default() };
+            let begun = Instant::now();
+            let fit = fit_adaptive(&touched, &options)?;
+            let seconds = begun.elapsed().as_secs_f64();
+            let report = fit.report();
+            let mut draw = Lcg::new(99);
+            let off = fits.first().map(|whole: &AdaptiveFit| {
+                let square = |_| {
+                    let [x, y] = [0, 1].map(|_| 2.0 * draw.uniform() - 1.0);
+                    (fit.at(x, y).z - whole.at(x, y).z).powi(2)
+                };
+                ((0..20_000).map(square).sum::<f64>() / 20_000.0).sqrt() / NOISE
+            });
+            println!(
+                "| {contacts} | {features} | {by} | {seconds:.1} | {:.1} | {} | {} | {:.1e} | {} |",
+                (report.work.factorisation + report.work.inverse).as_secs_f64(),
+                fit.unknowns(),
+                report.factor_entries,
+                report.backward_error.unwrap_or(f64::NAN),
+                off.map_or(String::new(), |off| format!("{off:.4}")),
+            );
+            fits.push(fit);
+        }
     }
     Ok(())
 }

@@ -90,6 +90,10 @@ impl FitCore {
 }
 
 impl FitCore {
+    pub(crate) fn new_of(answer: FitAnswer) -> FitCore {
+        FitCore { answer }
+    }
+
     /// A planner of next touches by the fitted height field, or by one with the noise of what was recognised.
     pub(crate) fn planner(&self) -> Result<TouchPlanner, PlannerRefusal> {
         let fit = self.answer.planning_fit().ok_or(PlannerRefusal::Surface)?;

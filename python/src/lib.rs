@@ -24,6 +24,7 @@ mod scenes;
 mod stream;
 mod studies;
 mod surfaces;
+mod tiles;
 
 use pyo3::prelude::*;
 
@@ -52,6 +53,10 @@ mod _native {
     use super::studies::{StudyPlan, StudyRun, merge_parts};
     #[pymodule_export]
     use super::surfaces::{ParametricSurface, Surface};
+    #[pymodule_export]
+    use super::tiles::{
+        TiledFit, contact_tile, merged_runs, part_bounds, part_run, run_of_roots, run_slice, tile_answer, tile_sides,
+    };
 
     use pyo3::prelude::*;
 

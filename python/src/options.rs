@@ -86,6 +86,11 @@ impl Keywords {
         Ok(())
     }
 
+    /// Degrees and grid points that were given.
+    pub(crate) fn given(&self) -> [Option<[usize; 2]>; 2] {
+        self.given
+    }
+
     /// Which surface the keywords ask for.
     pub(crate) fn asked(&self) -> AskedSurface {
         match (self.adaptive, self.named) {

@@ -152,3 +152,87 @@ def test_faults_of_a_batch_name_the_argument(given: dict, fault: type, words: st
     x, y, z, _ = patches()
     with pytest.raises(fault, match=words):
         palpate.dask.fit_many(**{"x": x, "y": y, "z": array.from_array(z, chunks=(9, 36)), "degree": 2, **given})
+
+
+def cloud(count: int = 40_000) -> np.ndarray:
+    """A wave with two bumps, touched anywhere; one contact in a hundred far off."""
+    random = np.random.default_rng(11)
+    x, y = random.uniform(-1, 1, (2, count))
+    z = 0.3 * np.sin(1.5 * x) * np.cos(y) + 0.002 * random.standard_normal(count)
+    for u, v in ((0.1, 0.1), (-0.5, 0.4)):
+        z += 0.05 * np.exp(-((x - u) ** 2 + (y - v) ** 2) / 0.003)
+    z += np.where(random.uniform(size=count) < 0.01, random.uniform(size=count), 0)
+    return np.stack([x, y, z], axis=1)
+
+
+def same_fit(found: palpate.Fit, expected: palpate.Fit) -> None:
+    one, two = found.to_dict(), expected.to_dict()
+    for document in (one, two):
+        document.pop("seconds", None), document.pop("provenance", None)
+    assert one == two
+
+
+@pytest.fixture(scope="module")
+def whole() -> palpate.Fit:
+    found = palpate.fit(cloud(), adaptive=True)
+    adaptive = found.to_dict()["fit"]["adaptive"]
+    assert adaptive["rounds"] > 2 and adaptive["left_out"] > 0
+    return found
+
+
+@pytest.mark.parametrize("tiles", [1, 4, 9])
+def test_any_tiling_gives_the_bits_of_one_memory(cluster, whole: palpate.Fit, tiles: int) -> None:
+    same_fit(palpate.dask.fit_adaptive(np.array_split(cloud(), tiles + 2), cluster, tiles=tiles), whole)
+
+
+def test_frames_arrays_and_delayed_parts_are_fitted_where_they_lie(cluster, whole: palpate.Fit) -> None:
+    dask = pytest.importorskip("dask")
+    array = pytest.importorskip("dask.array")
+    pandas = pytest.importorskip("pandas")
+    chunked = array.from_array(cloud(), chunks=(7_000, 2))
+    same_fit(palpate.dask.fit_adaptive(chunked, cluster), whole)
+    lazy = [dask.delayed(lambda k: np.array_split(cloud(), 3)[k])(k) for k in range(3)]
+    same_fit(palpate.dask.fit_adaptive(lazy, cluster), whole)
+    frames = [pandas.DataFrame(part, columns=["x", "y", "z"]) for part in np.array_split(cloud(), 2)]
+    same_fit(palpate.dask.fit_adaptive(frames, cluster), whole)
+
+
+def test_a_worker_killed_while_tiles_are_asked(cluster, whole: palpate.Fit, monkeypatch: pytest.MonkeyPatch) -> None:
+    victims = list(cluster.run(os.getpid).values())
+    asked: list[int] = []
+    results = palpate.dask._Workers.results
+
+    def killing(self: palpate.dask._Workers, tasks: list) -> list:
+        asked.append(len(tasks))
+        # bounds, runs and extents come first: the tiles are held, and half of them are lost
+        if len(asked) == 8:
+            os.kill(victims[0], signal.SIGKILL)
+        return results(self, tasks)
+
+    monkeypatch.setattr(palpate.dask._Workers, "results", killing)
+    same_fit(palpate.dask.fit_adaptive(np.array_split(cloud(), 5), cluster, tiles=6), whole)
+    assert len(asked) > 12
+    deadline = time.monotonic() + 60
+    while len(cluster.scheduler_info()["workers"]) < 2 and time.monotonic() < deadline:
+        time.sleep(0.2)
+    assert victims[0] not in cluster.run(os.getpid).values()
+
+
+def test_parts_that_do_not_belong_together_are_refused(cluster) -> None:
+    bare, normals = cloud(500), np.hstack([cloud(500), np.tile([0.0, 0.0, 1.0], (500, 1))])
+    with pytest.raises(palpate.FitError, match="columns that others lack"):
+        palpate.dask.fit_adaptive([bare, normals], cluster)
+    with pytest.raises(TypeError, match="parts"):
+        palpate.dask.fit_adaptive(3, cluster)
+    with pytest.raises(ValueError, match="at least one"):
+        palpate.dask.fit_adaptive([], cluster)
+    with pytest.raises(ValueError, match="smooth"):
+        palpate.dask.fit_adaptive([bare], cluster, smooth="auto")
+    bad = bare.copy()
+    bad[7, 2] = np.nan
+    with pytest.raises(palpate.FitError, match="contact 7"):
+        palpate.dask.fit_adaptive([bare, bad], cluster)
+    found = palpate.dask.fit_adaptive([bare], cluster)
+    assert found.to_dict()["contacts"] == 500
+    with pytest.raises(palpate.FitError, match="residuals"):
+        found.residuals  # noqa: B018

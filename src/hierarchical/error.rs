@@ -118,4 +118,10 @@ pub enum HierarchyError {
         /// Functions of the space.
         unknowns: usize,
     },
+    /// A part of the contacts cannot be read, written or put together with the others.
+    #[error("contacts in parts: {what}")]
+    Parts {
+        /// What is wrong.
+        what: String,
+    },
 }

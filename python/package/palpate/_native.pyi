@@ -16,11 +16,13 @@ __all__ = [
     "StudyPlan",
     "StudyRun",
     "Surface",
+    "TiledFit",
     "TouchPlanner",
     "TouchStream",
     "adaptive_surface",
     "class_names",
     "column_names",
+    "contact_tile",
     "diff_documents",
     "explore",
     "fit_batch",
@@ -29,10 +31,17 @@ __all__ = [
     "frontier",
     "frontier_of_contacts",
     "merge_parts",
+    "merged_runs",
+    "part_bounds",
+    "part_run",
     "parts_of",
     "read_contacts",
+    "run_of_roots",
+    "run_slice",
     "scene_contacts",
     "scene_texts",
+    "tile_answer",
+    "tile_sides",
     "time_fit",
     "unit_name",
     "__version__",
@@ -263,3 +272,37 @@ def class_names() -> list[str]: ...
 def merge_parts(parts: Sequence[str | PathLike[str]]) -> bytes: ...
 def scene_texts() -> dict[str, tuple[str, str]]: ...
 def scene_contacts(scene: str, text: str | None, seed: int | None, replicate: int) -> dict[str, npt.NDArray[Any]]: ...
+
+_Part = tuple[Any, Any, Any, Any, Any, tuple[Any, Any, Any]]
+_Bounds = tuple[int, list[tuple[float, float]]]
+
+def part_bounds(part: _Part) -> _Bounds: ...
+def part_run(
+    part: _Part, ground: bytes, first: int, total: int
+) -> tuple[bytes, list[int], list[tuple[float, float]]]: ...
+def run_of_roots(run: bytes, roots: tuple[int, int]) -> bytes: ...
+def run_slice(run: bytes, range: tuple[int, int]) -> bytes: ...
+def merged_runs(runs: list[bytes]) -> bytes: ...
+def tile_sides(counts: list[int], tile: int) -> tuple[list[list[tuple[int, tuple[int, int]]]], int]: ...
+def contact_tile(
+    ground: bytes,
+    roots: tuple[int, int],
+    own: bytes,
+    sides: tuple[list[bytes], list[bytes]],
+    before_and_total: tuple[int, int],
+) -> tuple[bytes, bytes]: ...
+def tile_answer(tile: bytes, question: bytes) -> _Array: ...
+
+@final
+class TiledFit:
+    def __new__(cls, parts: list[_Bounds], keywords: dict[str, Any] | None) -> Self: ...
+    @property
+    def ground(self) -> bytes: ...
+    @property
+    def roots(self) -> int: ...
+    def fit(
+        self,
+        extents: list[bytes],
+        shown: list[tuple[float, float]],
+        ask: Callable[[list[bytes]], list[_Array]],
+    ) -> FitCore: ...

@@ -1,6 +1,7 @@
-"""Studies and batches on a Dask cluster.
+"""Studies, batches and adaptive fits on a Dask cluster.
 
     replicates 0 .. n  =  ranges  ->  parts, one a task  ->  merge: the bits of one process
+    parts of contacts  ->  runs in the order of the cells  ->  tiles, asked round by round: the bits of one memory
 
 A part is a function of its range alone. A task that is tried again, or done twice, gives the same bytes; a part that is
 missing is noticed by `merge`. Workers need this package of the same version, and processors with the same instruction set.
@@ -16,7 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _native
+from ._columns import Columns, columns
 from ._errors import StudyError
+from ._fit import Fit
 from ._line import source
 from ._many import FitMany, fit_many as _fit_many
 from ._study import Progress, Study, arguments, merge
@@ -28,7 +31,7 @@ if TYPE_CHECKING:
 # Dask's own functions are not typed
 Untyped = Any
 
-__all__ = ["fit_many", "part", "ranges", "study"]
+__all__ = ["fit_adaptive", "fit_many", "part", "ranges", "study"]
 
 # parts a thread: enough that a slow or lost worker leaves work for the others, few enough that a part outweighs its task
 PARTS_A_THREAD = 4
@@ -180,6 +183,162 @@ def fit_many(
         return FitMany.join(list(dask.compute(*tasks, retries=retries)))
     cluster: Untyped = client
     return FitMany.join(list(cluster.gather(cluster.compute(tasks, retries=retries))))
+
+
+def fit_adaptive(
+    parts: Any,
+    client: Client | None = None,
+    *,
+    tiles: int | None = None,
+    retries: int = 3,
+    unit: str | None = None,
+    **options: Any,
+) -> Fit:
+    """`palpate.fit(..., adaptive=True)` of contacts that lie in parts, more of them than one memory holds: the same bits.
+
+    parts: a Dask DataFrame with columns x, y, z [nx, ny, nz | zx, zy] [wz, wx, wy]; a Dask array (N, 3) or (N, 6); or a list of
+    what `palpate.fit` takes alone, an array, a table, a path, each as it is, as Delayed or as Future. All have the same columns.
+    Contacts are numbered through the parts in their order. tiles: runs of cells of the base grid (at most 64) that workers hold and
+    answer for, by default two for every thread of the cluster; the answer does not depend on them, nor on how the contacts are
+    cut into parts. Contacts stay with the workers, sorted; what passes is as large as the cells are many. A worker that is lost
+    is replaced by doing its tasks again from the parts. options: degree, domain, sigma, grid, inset, level, bare. client: a distributed.Client,
+    or the current one; without either everything is done here, a part at a time. The fit knows no contacts: it has no residuals.
+
+    Raises what `palpate.fit` raises.
+
+    >>> import numpy as np
+    >>> x, y = np.random.default_rng(3).uniform(-1, 1, (2, 4000))
+    >>> cloud = np.stack([x, y, 0.1 * (x * x + y * y)], axis=1)
+    >>> fit_adaptive([cloud[:1000], cloud[1000:]], tiles=4).shape.class_name
+    'cup'
+    """
+    words = {"adaptive": True, **options}
+    unit = None if unit is None else _native.unit_name(unit)
+    workers = _Workers(client, retries)
+    given = [workers.hold(part) for part in _parts(parts)]
+    bounds = workers.results([workers.do(_bounds, part) for part in given])
+    fit = _native.TiledFit(bounds, words)
+    edges = _edges([count for count, _ in bounds])
+    runs = [workers.do(_run, part, fit.ground, first, edges[-1]) for part, first in zip(given, edges)]
+    about = workers.results([workers.do(_about, run) for run in runs])
+    counts = np.sum([by_root for by_root, _ in about], axis=0)
+    spans = _tiles(counts, tiles or 2 * workers.threads)
+    own = [workers.do(_merged, [workers.do(_of_roots, run, span) for run in runs]) for span in spans]
+    sizes = [int(counts[a:b].sum()) for a, b in spans]
+    held = []
+    for tile, span in enumerate(spans):
+        sides, before = _native.tile_sides(sizes, tile)
+        beside = [[workers.do(_native.run_slice, own[other], cut) for other, cut in side] for side in sides]
+        held.append(workers.do(_tile, fit.ground, span, own[tile], beside, (before, edges[-1])))
+    extents = workers.results([workers.do(_extent, tile) for tile in held])
+
+    def ask(questions: list[bytes]) -> list[Any]:
+        return workers.results([workers.do(_answer, tile, question) for tile, question in zip(held, questions)])
+
+    shown = [place for _, places in about for place in places]
+    return Fit(fit.fit(extents, shown, ask), "contacts", unit)
+
+
+class _Workers:
+    """Tasks on a cluster, or done here at once where there is none."""
+
+    def __init__(self, client: Any, retries: int) -> None:
+        import distributed
+
+        if client is None:
+            try:
+                client = distributed.get_client()
+            except ValueError:
+                pass
+        self.client: Untyped = client
+        self.retries = retries
+        self.threads = 1 if client is None else max(1, sum(client.nthreads().values()))
+
+    def hold(self, part: Any) -> Any:
+        import dask as module
+
+        dask: Untyped = module
+        if self.client is None:
+            return part
+        return self.client.compute(part) if dask.is_dask_collection(part) else part
+
+    def do(self, task: Any, *arguments: Any) -> Any:
+        if self.client is not None:
+            return self.client.submit(task, *arguments, pure=False, retries=self.retries)
+        import dask as module
+
+        dask: Untyped = module
+        return task(*(dask.compute(argument)[0] for argument in arguments))
+
+    def results(self, tasks: list[Any]) -> list[Any]:
+        return tasks if self.client is None else list(self.client.gather(tasks))
+
+
+def _parts(parts: Any) -> list[Any]:
+    """The parts one by one; those of an array hold whole rows."""
+    if hasattr(parts, "to_delayed"):
+        if hasattr(parts, "rechunk"):
+            parts = parts.rechunk({1: -1})
+        return list(np.ravel(parts.to_delayed()))
+    if isinstance(parts, (str, bytes)) or not hasattr(parts, "__iter__"):
+        raise TypeError("parts: a Dask DataFrame or array, or a list of arrays, tables or paths wanted")
+    found = list(parts)
+    if not found:
+        raise ValueError("parts: at least one wanted")
+    return found
+
+
+def _columns(part: Any) -> tuple[Any, ...]:
+    return tuple(columns("fit_adaptive", Columns(part, None, None)))[:6]
+
+
+def _bounds(part: Any) -> Any:
+    return _native.part_bounds(_columns(part))
+
+
+def _run(part: Any, ground: bytes, first: int, total: int) -> Any:
+    return _native.part_run(_columns(part), ground, first, total)
+
+
+def _about(run: Any) -> Any:
+    return run[1:]
+
+
+def _of_roots(run: Any, span: tuple[int, int]) -> bytes:
+    return _native.run_of_roots(run[0], span)
+
+
+def _merged(pieces: list[bytes]) -> bytes:
+    return _native.merged_runs(pieces)
+
+
+def _tile(ground: bytes, span: tuple[int, int], own: bytes, beside: Any, before_and_total: tuple[int, int]) -> Any:
+    return _native.contact_tile(ground, span, own, beside, before_and_total)
+
+
+def _extent(tile: Any) -> bytes:
+    extent: bytes = tile[1]
+    return extent
+
+
+def _answer(tile: Any, question: bytes) -> Any:
+    return _native.tile_answer(tile[0], question)
+
+
+def _tiles(counts: npt.ArrayLike, tiles: int) -> list[tuple[int, int]]:
+    """Runs of base cells with about equally many contacts.
+
+    >>> _tiles([5, 0, 5, 5, 5], 2), _tiles([9, 0, 0], 3)
+    ([(0, 3), (3, 5)], [(0, 1), (1, 2), (2, 3)])
+    """
+    ends = np.cumsum(counts)
+    tiles = max(1, min(tiles, len(ends)))
+    cuts = [int(np.searchsorted(ends, ends[-1] * k / tiles)) + 1 for k in range(1, tiles)]
+    edges = [0, *cuts, len(ends)]
+    for k in range(1, tiles):
+        # each has one cell at least, and leaves as many as there are tiles behind it
+        edges[k] = min(max(edges[k], edges[k - 1] + 1), len(ends) - (tiles - k))
+    return list(zip(edges, edges[1:]))
 
 
 def _edges(sizes: Any) -> list[int]:

@@ -51,7 +51,7 @@ pub(super) fn adaptive_model(
         Input::Grid(grid) => Cow::Owned(weighed_contacts_of(grid)),
     };
     let asked = adaptive_options(typed.degree, options, bare).map_err(Refusal::Fit)?;
-    let fit = fit_adaptive(&contacts, &asked).map_err(|error| refused(error, &contacts, options))?;
+    let fit = fit_adaptive(&contacts, &asked).map_err(|error| refused(error, contacts.len(), options))?;
     Ok(adaptive_found(fit, &contacts, options, typed.grid.unwrap_or(GRID)))
 }
 
@@ -69,7 +69,11 @@ pub(super) fn adaptive_found(fit: AdaptiveFit, contacts: &Contacts, options: &Fi
     }
 }
 
-fn adaptive_options(degree: Option<[usize; 2]>, options: &FitOptions, bare: bool) -> Result<AdaptiveOptions, FitError> {
+pub(super) fn adaptive_options(
+    degree: Option<[usize; 2]>,
+    options: &FitOptions,
+    bare: bool,
+) -> Result<AdaptiveOptions, FitError> {
     let defaults = AdaptiveOptions::default();
     let degree = match degree {
         None => defaults.degree,
@@ -103,7 +107,7 @@ fn how(fit: &AdaptiveFit) -> String {
 }
 
 /// A refusal in the words of the other fits.
-fn refused(error: HierarchyError, contacts: &Contacts, options: &FitOptions) -> Refusal {
+pub(super) fn refused(error: HierarchyError, contacts: usize, options: &FitOptions) -> Refusal {
     match error {
         HierarchyError::Contacts(error) => Refusal::Fit(FitError::Contacts(error)),
         HierarchyError::Option { option, value, expected } => {
@@ -113,7 +117,7 @@ fn refused(error: HierarchyError, contacts: &Contacts, options: &FitOptions) -> 
             let domain = options.domain.unwrap_or_default();
             Refusal::Fit(FitError::Outside { index, x, y, domain })
         }
-        HierarchyError::Flat { .. } => Refusal::Fit(FitError::Collinear { contacts: contacts.len() }),
+        HierarchyError::Flat { .. } => Refusal::Fit(FitError::Collinear { contacts }),
         HierarchyError::NotPositiveDefinite { .. } => {
             Refusal::Shape("the contacts lie on too few lines in x, y to hold a surface: touch beside them".into())
         }

@@ -98,6 +98,11 @@ impl FitAnswer {
         Ok(FitAnswer { input, found, bare, uncertain, seconds: clock.elapsed().as_secs_f64() })
     }
 
+    /// The answer to contacts that are elsewhere.
+    pub(super) fn without_contacts(found: Found, bare: bool, seconds: f64) -> FitAnswer {
+        FitAnswer { input: Input::Contacts(Contacts::default()), found, bare, uncertain: false, seconds }
+    }
+
     /// The fitted height field, where one was fitted.
     pub fn height_field(&self) -> Option<&Fit> {
         match &self.found.answer {
@@ -144,12 +149,15 @@ impl FitAnswer {
     }
 
     /// How far each contact lies off the surface: along its normal where it was recognised, along z of a height field. `None`
-    /// of other surfaces, and of a grid.
+    /// of other surfaces, of a grid, and of contacts that are elsewhere.
     ///
     /// # Errors
     /// When the input's own rounding leaves no distinct knots.
     pub fn residuals(&self) -> Result<Option<Vec<f64>>, FitError> {
         let Input::Contacts(contacts) = &self.input else { return Ok(None) };
+        if contacts.is_empty() {
+            return Ok(None);
+        }
         let places = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]);
         Ok(match &self.found.answer {
             Answer::Recognised(found) => Some(places.map(|place| found.distance(place)).collect()),

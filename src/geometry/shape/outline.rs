@@ -58,9 +58,14 @@ fn ends_along(contacts: &[[f64; 2]], [a, b]: [f64; 2]) -> [f64; 2] {
 }
 
 impl Outline {
+    /// Of so many contacts every which one is looked at, from the first on.
+    pub fn step_of(contacts: usize) -> usize {
+        contacts.div_ceil(MOST_CONTACTS).max(1)
+    }
+
     /// Of contacts at these places.
     pub fn new(x: &[f64], y: &[f64]) -> Outline {
-        let step = x.len().div_ceil(MOST_CONTACTS).max(1);
+        let step = Outline::step_of(x.len());
         let given: Vec<[f64; 2]> = (0..x.len()).step_by(step).map(|r| [x[r], y[r]]).collect();
         let [along_x, along_y] = [ends_along(&given, [1.0, 0.0]), ends_along(&given, [0.0, 1.0])];
         let sides = [along_x[1] - along_x[0], along_y[1] - along_y[0]];

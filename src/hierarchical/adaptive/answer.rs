@@ -11,7 +11,7 @@
 use super::refinement::RefinementRound;
 use super::system::FitWork;
 use crate::error::HierarchyError;
-use crate::factor::{SelectedInverse, SparseCholesky};
+use crate::factor::{EquationSolver, SelectedInverse};
 use crate::field::HierarchicalField;
 use crate::space::LocalFunction;
 use palpate_geometry::contact::Frame;
@@ -24,7 +24,7 @@ use palpate_numeric::bspline::BasisRow;
 pub struct AdaptiveFit {
     pub(super) field: HierarchicalField,
     pub(super) frame: Frame,
-    pub(super) factor: SparseCholesky,
+    pub(super) factor: EquationSolver,
     pub(super) inverse: Option<SelectedInverse>,
     /// Variance of a height of weight 1, patch units.
     pub(super) variance: f64,
@@ -43,17 +43,19 @@ pub struct AdaptiveReport {
     pub lambdas: Vec<f64>,
     /// Degrees of freedom of the surface; `None` without the entries of the inverse.
     pub freedom: Option<f64>,
+    /// Whether the contacts came with normals.
+    pub normals: bool,
     /// Contacts that count: those that were not left out.
     pub counted: usize,
     /// p-value of the best plane against the surface; `None` where the degrees of freedom are not known.
     pub plane_p: Option<f64>,
     /// Root mean square of the residuals of the heights that count, input units.
     pub rms: f64,
-    /// Condition of the equilibrated matrix in the 1-norm, an estimate.
+    /// Condition of the equilibrated matrix in the 1-norm, an estimate; NaN without the factor of the whole.
     pub condition: f64,
     /// Backward error of the coefficients in the last equations; `None` where uncertainties were not asked for.
     pub backward_error: Option<f64>,
-    /// Entries of the factor.
+    /// Numbers in the factor, or in those of the blocks that precondition conjugate gradients.
     pub factor_entries: usize,
     /// Where the time went.
     pub work: FitWork,

@@ -13,8 +13,8 @@ use super::system::System;
 use crate::equations::CellSums;
 
 /// Backward error of the coefficients in the equations of the last fit; the sums are those of its residuals.
-pub(super) fn backward_error(refinement: &MeshRefinement, system: &System, sums: &CellSums) -> f64 {
-    let (matrix, load) = system.pattern.assemble(&system.space, sums, refinement.solved_weights);
+pub(super) fn backward_error(refinement: &MeshRefinement<'_>, system: &System, sums: &CellSums) -> f64 {
+    let (matrix, load) = system.pattern.assemble(&system.space, sums, refinement.weights);
     let rough = system.rough(&refinement.lambdas);
     let c = refinement.field.coefficients();
     let product = |values: &[f64], c: &[f64]| {

@@ -8,8 +8,9 @@
 //! Scattered outliers are few everywhere and leave the median alone. A feature that the surface cannot follow yet fills cells, so that
 //! their scale grows and nothing of it is left out.
 
-use crate::equations::{ContactResiduals, SortedContacts};
-use crate::space::HierarchicalSpace;
+use std::ops::Range;
+
+use crate::equations::{ContactResiduals, SortedContacts, SurfaceCells};
 use palpate_numeric::statistics::{RAYLEIGH_TO_SD, mad, median};
 use palpate_numeric::threads;
 
@@ -29,14 +30,14 @@ pub(crate) struct LocalScales {
 
 impl LocalScales {
     pub(crate) fn of(
-        space: &HierarchicalSpace,
+        surface: SurfaceCells<'_>,
         contacts: &SortedContacts,
         residuals: &ContactResiduals,
     ) -> LocalScales {
-        let leaves = space.leaves();
+        let leaves = surface.cells;
         let weights = contacts.contacts().weights.z.as_deref();
         let pairs = threads::map(leaves.len(), PIECE, |leaf| {
-            let range = contacts.of_cell(space.mesh(), leaves[leaf]);
+            let range = contacts.of_cell(surface.mesh, leaves[leaf]);
             if range.is_empty() {
                 return [0.0; 2];
             }
@@ -71,7 +72,7 @@ pub(crate) fn deviation(residual: f64, slope: Option<[f64; 2]>, scales: [f64; 2]
 }
 
 /// Contacts of a block whose noise is taken for one; neighbours in the order of the cells are neighbours in the plane.
-const CONTACTS_OF_BLOCK: usize = 2000;
+pub(crate) const CONTACTS_OF_BLOCK: usize = 2000;
 /// Fewer blocks do not tell noise that varies from chance.
 const FEWEST_BLOCKS: usize = 4;
 /// Of a block so many residuals are looked at: the scale is then off by 4 %, which costs the fit 1 % of its efficiency.
@@ -79,21 +80,32 @@ const LOOKED_AT: usize = 1000;
 /// Ratios of variances beyond this are of residuals that are rounding.
 const LARGEST_RATIO: f64 = 1e6;
 
-/// How much a contact's squares count by the noise near it: the inverse of the block's variance, of mean 1. Empty where the contacts are
-/// too few to tell.
-pub(crate) fn noise_ratios(contacts: &SortedContacts, residuals: &ContactResiduals) -> Vec<f64> {
-    let blocks = contacts.len() / CONTACTS_OF_BLOCK;
-    if blocks < FEWEST_BLOCKS {
-        return Vec::new();
-    }
+/// Scales of the blocks that begin among the contacts `own` of a run of contacts, the first of which is the `before`-th of all `total`
+/// ones. A block reaches as far beyond as it has contacts.
+pub(crate) fn block_scales(
+    contacts: &SortedContacts,
+    residuals: &ContactResiduals,
+    own: Range<usize>,
+    [before, total]: [usize; 2],
+) -> Vec<f64> {
     let weights = contacts.contacts().weights.z.as_deref();
-    let scales = threads::map(blocks, 1, |block| {
-        let from = block * CONTACTS_OF_BLOCK;
+    let last = total / CONTACTS_OF_BLOCK;
+    let blocks = [own.start, own.end].map(|r| (before + r).div_ceil(CONTACTS_OF_BLOCK).min(last));
+    threads::map(blocks[1] - blocks[0], 1, |k| {
+        let from = (blocks[0] + k) * CONTACTS_OF_BLOCK - before;
         let step = CONTACTS_OF_BLOCK / LOOKED_AT;
         let looked_at = (from..from + CONTACTS_OF_BLOCK).step_by(step);
         mad(looked_at.map(|r| residuals.heights[r] * weights.map_or(1.0, |w| w[r])).filter(|r| *r != 0.0))
-    });
-    let typical = median(scales.clone()).unwrap_or(0.0);
+    })
+}
+
+/// How much a contact's squares count by the noise near it: the inverse of the block's variance, of mean 1. Empty where the contacts are
+/// too few to tell.
+pub(crate) fn noise_ratios(scales: &[f64]) -> Vec<f64> {
+    if scales.len() < FEWEST_BLOCKS {
+        return Vec::new();
+    }
+    let typical = median(scales.to_vec()).unwrap_or(0.0);
     let ratio = |scale: &f64| {
         let ratio = (typical / scale).powi(2);
         if ratio.is_finite() { ratio.clamp(1.0 / LARGEST_RATIO, LARGEST_RATIO) } else { 1.0 }
@@ -104,29 +116,63 @@ pub(crate) fn noise_ratios(contacts: &SortedContacts, residuals: &ContactResidua
     ratios.into_iter().map(|ratio| ratio / mean).collect()
 }
 
-/// Multiplies every contact's share by its block's ratio; the contacts beyond the last block count as part of it.
-pub(crate) fn weigh_by_noise(shares: &mut [f64], ratios: &[f64]) {
+/// Multiplies every contact's share by its block's ratio, the first contact being the `before`-th of all; the contacts beyond the last
+/// block count as part of it.
+pub(crate) fn weigh_by_noise(shares: &mut [f64], ratios: &[f64], before: usize) {
     let Some(last) = ratios.len().checked_sub(1) else { return };
     for (r, share) in shares.iter_mut().enumerate() {
-        *share *= ratios[(r / CONTACTS_OF_BLOCK).min(last)];
+        *share *= ratios[((before + r) / CONTACTS_OF_BLOCK).min(last)];
+    }
+}
+
+/// What becomes of a contact by its deviation in local scales.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum ShareRule {
+    /// All count alike.
+    All,
+    /// Beyond so many it counts as if it stood there.
+    Clip(f64),
+    /// Beyond so many it is left out.
+    Reject(f64),
+}
+
+impl ShareRule {
+    fn share(self, t: f64) -> f64 {
+        match self {
+            ShareRule::All => 1.0,
+            ShareRule::Clip(clip) => {
+                if t > clip {
+                    clip / t
+                } else {
+                    1.0
+                }
+            }
+            ShareRule::Reject(reject) => {
+                if t > reject {
+                    0.0
+                } else {
+                    1.0
+                }
+            }
+        }
     }
 }
 
 /// Shares of all contacts by a rule of their deviation.
 pub(crate) fn shares(
-    space: &HierarchicalSpace,
+    surface: SurfaceCells<'_>,
     contacts: &SortedContacts,
     residuals: &ContactResiduals,
-    scales: &LocalScales,
-    rule: impl Fn(f64) -> f64 + Sync,
+    rule: ShareRule,
 ) -> Vec<f64> {
     let weights = contacts.contacts().weights.z.as_deref();
-    let parts = threads::map(space.leaves().len(), PIECE, |leaf| {
-        let range = contacts.of_cell(space.mesh(), space.leaves()[leaf]);
+    let scales = LocalScales::of(surface, contacts, residuals);
+    let parts = threads::map(surface.cells.len(), PIECE, |leaf| {
+        let range = contacts.of_cell(surface.mesh, surface.cells[leaf]);
         let scales = [scales.heights[leaf], scales.slopes[leaf]];
         let share = |r: usize| {
             let residual = residuals.heights[r] * weights.map_or(1.0, |w| w[r]);
-            rule(deviation(residual, residuals.slopes.get(r).copied(), scales))
+            rule.share(deviation(residual, residuals.slopes.get(r).copied(), scales))
         };
         range.map(share).collect::<Vec<f64>>()
     });

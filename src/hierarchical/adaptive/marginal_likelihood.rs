@@ -15,7 +15,7 @@
 use super::system::System;
 use crate::equations::MeetingPattern;
 use crate::error::HierarchyError;
-use crate::factor::SparseCholesky;
+use crate::factor::{EquationSolver, SparseCholesky};
 use palpate_numeric::brent::maximum;
 use palpate_numeric::draws::Lcg;
 
@@ -66,7 +66,7 @@ impl StepEquations<'_> {
     ///
     /// # Errors
     /// When no lambda makes the matrix positive definite.
-    pub(crate) fn solve(&self, factor: &mut SparseCholesky, known: bool, most: usize) -> Result<Step, HierarchyError> {
+    pub(crate) fn solve(&self, factor: &mut EquationSolver, known: bool, most: usize) -> Result<Step, HierarchyError> {
         let mut rough = vec![0.0; self.coefficients.len()];
         self.pattern.multiply(self.roughness, self.coefficients, &mut rough);
         let own: f64 = rough.iter().zip(self.coefficients).map(|(a, b)| a * b).sum();
@@ -92,7 +92,7 @@ impl StepEquations<'_> {
     /// Step, D and twice the log likelihood.
     fn at(
         &self,
-        factor: &mut SparseCholesky,
+        factor: &mut EquationSolver,
         lambda: f64,
         rough: &[f64],
         own: f64,
@@ -105,8 +105,9 @@ impl StepEquations<'_> {
         let gain: f64 = right.iter().zip(&delta).map(|(a, b)| a * b).sum();
         let deviance = self.squares + lambda * own - gain;
         let (n, m) = (self.load.len() as f64, self.smooth);
-        let value =
-            -(self.rows - m) * deviance.max(f64::MIN_POSITIVE).ln() - factor.log_determinant() + (n - m) * lambda.ln();
+        let value = -(self.rows - m) * deviance.max(f64::MIN_POSITIVE).ln()
+            - factor.whole().map_or(0.0, SparseCholesky::log_determinant)
+            + (n - m) * lambda.ln();
         Ok((delta, deviance, value))
     }
 }

@@ -9,6 +9,9 @@
 
 mod answer;
 mod certificate;
+mod contact_passes;
+mod ground;
+mod held_contacts;
 mod local_scale;
 mod marginal_likelihood;
 mod options;
@@ -20,8 +23,10 @@ mod split_test;
 mod system;
 #[cfg(test)]
 mod tests;
+pub mod tiles;
 
 pub use answer::{AdaptiveFit, AdaptiveReport};
+pub use ground::ContactBounds;
 pub use options::{AdaptiveOptions, OutlierRule, RowVariances};
 pub use plan::{AdaptivePlan, RepeatedHeights, plan_adaptive};
 pub use refinement::RefinementRound;
@@ -30,15 +35,16 @@ pub use system::FitWork;
 
 use std::time::Duration;
 
-use crate::equations::{BlockWeights, CellSums, SortedContacts, patch_frame};
+use crate::equations::{BlockWeights, CellSums, SortedContacts};
 use crate::error::HierarchyError;
-use crate::factor::SelectedInverse;
-use crate::mesh::Mesh;
+use crate::factor::{SelectedInverse, SparseCholesky};
 use certificate::backward_error;
+use contact_passes::ContactPasses;
+use ground::FitGround;
+use held_contacts::HeldContacts;
 use palpate_geometry::contact::{Contacts, Frame};
-use palpate_numeric::bspline::Knots;
 use plane::plane_probability;
-use refinement::MeshRefinement;
+use refinement::{MeshRefinement, components};
 use system::{System, timed};
 
 /// Fits a height field to contacts with or without slopes or normals.
@@ -60,140 +66,97 @@ use system::{System, timed};
 /// # Errors
 /// Faulty contacts or options, contacts outside of a given domain, contacts and roughness that leave a function undetermined.
 pub fn fit_adaptive(contacts: &Contacts, options: &AdaptiveOptions) -> Result<AdaptiveFit, HierarchyError> {
-    let given = PreparedContacts::of(contacts, options)?;
-    let (refinement, system) = given.refined(options)?;
-    Ok(answered(refinement, system, given.frame))
+    let mut given = PreparedContacts::of(contacts, options)?;
+    let (refinement, system) = refined(&given.ground, &mut given.held, options, given.sorting)?;
+    answered(refinement, system, given.ground.frame)
 }
 
 /// Contacts in the order of the cells of a base grid, with what is known of their variances.
 struct PreparedContacts {
-    frame: Frame,
-    mesh: Mesh,
-    sorted: SortedContacts,
-    weights: BlockWeights,
-    declared: Option<f64>,
+    ground: FitGround,
+    held: HeldContacts,
     sorting: Duration,
 }
 
 impl PreparedContacts {
     fn of(contacts: &Contacts, options: &AdaptiveOptions) -> Result<PreparedContacts, HierarchyError> {
-        options.check()?;
         contacts.check()?;
-        let domain = options.domain.unwrap_or_else(|| [ends(&contacts.x), ends(&contacts.y)]);
-        let frame = patch_frame(domain, ends(&contacts.z));
-        let mesh = base_mesh(domain, &frame, contacts.len(), options)?;
+        let ground = FitGround::of(&ContactBounds::of(contacts), options)?;
         let mut sorting = Duration::ZERO;
-        let sorted = timed(&mut sorting, || SortedContacts::new(contacts, &frame, &mesh))?;
-        let (weights, declared) = match options.noise {
-            RowVariances::Known { heights, slopes } => {
-                let heights = heights / frame.scale;
-                (BlockWeights { heights: 1.0, slopes: (heights / slopes).powi(2) }, Some(heights * heights))
-            }
-            RowVariances::Estimated => (BlockWeights { heights: 1.0, slopes: 1.0 }, None),
-        };
-        Ok(PreparedContacts { frame, mesh, sorted, weights, declared, sorting })
-    }
-
-    /// Cells split until nothing but noise is left.
-    fn refined<'a>(&'a self, options: &'a AdaptiveOptions) -> Result<(MeshRefinement<'a>, System), HierarchyError> {
-        let PreparedContacts { mesh, sorted, weights, declared, .. } = self;
-        let mut refinement = MeshRefinement::begin(options, sorted, mesh.clone(), *weights, *declared)?;
-        refinement.work.sorting = self.sorting;
-        let system = refinement.run()?;
-        Ok((refinement, system))
+        let sorted = timed(&mut sorting, || SortedContacts::new(contacts, &ground.frame, &ground.mesh))?;
+        let held = HeldContacts::new(sorted, ground.mesh.levels().degree());
+        Ok(PreparedContacts { ground, held, sorting })
     }
 }
 
-/// Least and largest number.
-fn ends(column: &[f64]) -> [f64; 2] {
-    column.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], v| [lo.min(*v), hi.max(*v)])
-}
-
-/// The base grid of nearly square cells in the patch's frame, no more of them than contacts can tell about.
-fn base_mesh(
-    domain: [[f64; 2]; 2],
-    frame: &Frame,
-    contacts: usize,
-    options: &AdaptiveOptions,
-) -> Result<Mesh, HierarchyError> {
-    let [x, y] = domain;
-    let sides = domain.map(|[lo, hi]| hi - lo);
-    if !sides.iter().all(|side| side.is_finite() && *side > 0.0) {
-        return Err(HierarchyError::Flat { x0: x[0], x1: x[1], y0: y[0], y1: y[1] });
-    }
-    let larger = sides[0].max(sides[1]);
-    let supported = (contacts as f64 / options.least_contacts.max(1) as f64).sqrt().ceil().max(1.0) as usize;
-    let along = options.base_segments.min(supported);
-    let axis = |k: usize| {
-        let segments = (along as f64 * sides[k] / larger).round().max(1.0) as usize;
-        let [lo, hi] = domain[k].map(|t| (t - frame.origin[k]) / frame.scale);
-        let name = if k == 0 { "x" } else { "y" };
-        Knots::uniform(options.degree, segments, lo, hi).map_err(|source| HierarchyError::Knots { axis: name, source })
-    };
-    Mesh::new([axis(0)?, axis(1)?])
+/// Cells split until nothing but noise is left.
+fn refined<'a>(
+    ground: &FitGround,
+    passes: &'a mut dyn ContactPasses,
+    options: &'a AdaptiveOptions,
+    sorting: Duration,
+) -> Result<(MeshRefinement<'a>, System), HierarchyError> {
+    let FitGround { mesh, weights, declared, .. } = ground;
+    let mut refinement = MeshRefinement::begin(options, passes, mesh.clone(), *weights, *declared)?;
+    refinement.work.sorting = sorting;
+    let system = refinement.run()?;
+    Ok((refinement, system))
 }
 
 /// The answer from the last fit.
-fn answered(mut refinement: MeshRefinement, system: System, frame: Frame) -> AdaptiveFit {
-    let inverse = refinement
-        .options
-        .uncertainty
-        .then(|| timed(&mut refinement.work.inverse, || SelectedInverse::of(&system.factor)))
+fn answered(mut refinement: MeshRefinement<'_>, system: System, frame: Frame) -> Result<AdaptiveFit, HierarchyError> {
+    let uncertainty = refinement.options.uncertainty;
+    let inverse = uncertainty
+        .then(|| timed(&mut refinement.work.inverse, || system.factor.whole().and_then(SelectedInverse::of)))
         .flatten();
     // of the last residuals, once for all that is told of the fit
-    let sums = refinement.options.uncertainty.then(|| last_sums(&refinement, &system));
-    let traces = sums.as_ref().zip(inverse.as_ref()).map(|(sums, inverse)| traces(&refinement, &system, sums, inverse));
-    let [heights, slopes] = refinement.components(traces.unwrap_or_default());
+    let sums = timed(&mut refinement.work.passes, || refinement.passes.sums(&refinement.field))?;
+    let traces = inverse.as_ref().map(|inverse| traces(&refinement, &system, &sums, inverse));
+    let [heights, slopes] = components(sums.totals(), traces.unwrap_or_default());
     let declared = match refinement.options.noise {
         RowVariances::Known { slopes, .. } => Some(slopes),
         RowVariances::Estimated => None,
     };
-    let oriented = refinement.contacts.oriented();
-    let outliers = refinement.shares.iter().flatten().enumerate().filter(|(_, share)| **share == 0.0);
-    let mut outliers: Vec<usize> = outliers.map(|(r, _)| refinement.contacts.number(r)).collect();
-    outliers.sort_unstable();
-    let left_out = outliers.len();
-    let certified = sums.map(|sums| backward_error(&refinement, &system, &sums));
-    let plane_p = traces.and_then(|[z, s]| plane_probability(&refinement, z + s));
-    AdaptiveFit {
+    let columns = refinement.passes.columns();
+    let outliers = refinement.passes.outliers(&refinement.field)?;
+    let counted = columns.count - outliers.len();
+    let certified = uncertainty.then(|| backward_error(&refinement, &system, &sums));
+    let plane_p = match traces {
+        Some([z, s]) => plane_probability(&mut refinement, z + s)?,
+        None => None,
+    };
+    Ok(AdaptiveFit {
         inverse,
         variance: refinement.variance,
-        slope_sd: oriented.then(|| declared.unwrap_or_else(|| slopes.sd_of_one_at_least())),
+        slope_sd: columns.layout.oriented.then(|| declared.unwrap_or_else(|| slopes.sd_of_one_at_least())),
         report: AdaptiveReport {
             rounds: refinement.rounds,
             outliers,
             lambdas: refinement.lambdas,
             freedom: traces.map(|[z, s]| z + s),
-            counted: refinement.contacts.len() - left_out,
+            normals: columns.normals,
+            counted,
             plane_p,
             rms: (heights.squares / heights.rows.max(1.0)).sqrt() * frame.scale,
             backward_error: certified,
-            condition: system.factor.condition(),
+            condition: system.factor.whole().map_or(f64::NAN, SparseCholesky::condition),
             factor_entries: system.factor.factor_entries(),
             work: refinement.work,
         },
         factor: system.factor,
         field: refinement.field,
         frame,
-    }
-}
-
-/// Sums of the contacts by cell about the surface that was found.
-fn last_sums(refinement: &MeshRefinement, system: &System) -> CellSums {
-    let degree = system.space.mesh().levels().degree();
-    let mut sums = CellSums::empty(system.space.leaves().len(), degree, refinement.contacts);
-    sums.add(refinement.contacts, &refinement.field, &refinement.residuals, refinement.shares.as_deref());
-    sums
+    })
 }
 
 /// Degrees of freedom that the surface takes of the heights and of the slopes: `tr (A + lambda P)^-1 A_k`.
-fn traces(refinement: &MeshRefinement, system: &System, sums: &CellSums, inverse: &SelectedInverse) -> [f64; 2] {
+fn traces(refinement: &MeshRefinement<'_>, system: &System, sums: &CellSums, inverse: &SelectedInverse) -> [f64; 2] {
     let weights = refinement.weights;
     let trace = |weights: BlockWeights| {
         let (values, _) = system.pattern.assemble(&system.space, sums, weights);
         inverse.trace_with(system.pattern.starts(), system.pattern.rows(), &values)
     };
     let heights = trace(BlockWeights { slopes: 0.0, ..weights });
-    let slopes = if refinement.contacts.oriented() { trace(BlockWeights { heights: 0.0, ..weights }) } else { 0.0 };
+    let slopes = if sums.layout().oriented { trace(BlockWeights { heights: 0.0, ..weights }) } else { 0.0 };
     [heights, slopes]
 }

@@ -55,6 +55,9 @@ pub struct AdaptiveOptions {
     pub deepest_level: usize,
     /// No cell is split any more beyond so many unknowns. Default 2,000,000: about 10 GB of factor.
     pub most_unknowns: usize,
+    /// Numbers in the factor of the equations at most. Where there would be more, conjugate gradients solve them, to the same digits:
+    /// standard uncertainties, degrees of freedom and condition are then not told. Default 500,000,000: 4 GB.
+    pub most_factor_entries: usize,
     /// Which derivatives' squares are the roughness. Default second ones, the thin plate.
     pub roughness: RoughnessOrder,
     /// What happens to outliers.
@@ -64,6 +67,10 @@ pub struct AdaptiveOptions {
     /// Whether noise that is estimated may differ from place to place: contacts then count by the residuals of the 2,000 nearest in the
     /// order of the cells. Default yes: it costs 1 % of the efficiency where the noise is even, and intervals hold where it is not.
     pub noise_varies: bool,
+    /// Whether the cells of what was followed are halved once more when only noise is left. What is too small to be told from noise
+    /// bends surfaces all the same: without that level intervals of R near features of three to ten standard deviations hold 91 to 92 % of
+    /// the time, with it 98 to 99.6 %, at four times the unknowns there. Default no.
+    pub last_halving: bool,
     /// Whether the entries of the inverse are computed, which standard uncertainties ask for. Default yes.
     pub uncertainty: bool,
 }
@@ -79,10 +86,12 @@ impl Default for AdaptiveOptions {
             least_contacts: 16,
             deepest_level: 12,
             most_unknowns: 2_000_000,
+            most_factor_entries: 500_000_000,
             roughness: RoughnessOrder::Second,
             outliers: OutlierRule::Reject { clip: 3.0, reject: 4.5 },
             noise: RowVariances::Estimated,
             noise_varies: true,
+            last_halving: false,
             uncertainty: true,
         }
     }

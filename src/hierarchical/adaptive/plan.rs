@@ -10,11 +10,13 @@
 use std::sync::Arc;
 
 use super::answer::AdaptiveFit;
+use super::contact_passes::ContactPasses;
+use super::held_contacts::HeldContacts;
 use super::options::AdaptiveOptions;
-use super::{PreparedContacts, answered};
-use crate::equations::{BlockWeights, CellSums, ContactResiduals, MeetingPattern, SortedContacts};
+use super::{PreparedContacts, answered, refined};
+use crate::equations::{BlockWeights, MeetingPattern};
 use crate::error::HierarchyError;
-use crate::factor::SparseCholesky;
+use crate::factor::EquationSolver;
 use crate::field::HierarchicalField;
 use crate::space::HierarchicalSpace;
 use palpate_geometry::contact::{ContactError, Contacts, Frame, Orientation};
@@ -32,11 +34,10 @@ pub struct RepeatedHeights {
 #[derive(Clone, Debug)]
 pub struct AdaptivePlan {
     frame: Frame,
-    contacts: SortedContacts,
-    shares: Option<Vec<f64>>,
+    contacts: HeldContacts,
     weights: BlockWeights,
     pattern: MeetingPattern,
-    factor: SparseCholesky,
+    factor: EquationSolver,
     flat: HierarchicalField,
     /// Dimension of the surfaces without roughness.
     smooth: f64,
@@ -54,21 +55,15 @@ pub fn plan_adaptive(
         let expected = "heights with slopes or without: rows of normals depend on the heights";
         return Err(HierarchyError::Option { option: "orientation", value: "normals".into(), expected });
     }
-    let given = PreparedContacts::of(contacts, options)?;
-    let (refinement, system) = given.refined(options)?;
+    let mut given = PreparedContacts::of(contacts, options)?;
+    let (refinement, system) = refined(&given.ground, &mut given.held, options, given.sorting)?;
     let space: Arc<HierarchicalSpace> = system.space.clone();
     let flat = HierarchicalField::new(space.clone(), vec![0.0; space.unknowns()])?;
-    let plan = AdaptivePlan {
-        frame: given.frame,
-        contacts: given.sorted.clone(),
-        shares: refinement.shares.clone(),
-        weights: refinement.solved_weights,
-        pattern: system.pattern.clone(),
-        factor: system.factor.clone(),
-        flat,
-        smooth: options.roughness.null_dimension() as f64,
-    };
-    Ok((answered(refinement, system, given.frame), plan))
+    let (weights, pattern, factor) = (refinement.weights, system.pattern.clone(), system.factor.clone());
+    let frame = given.ground.frame;
+    let fit = answered(refinement, system, frame)?;
+    let smooth = options.roughness.null_dimension() as f64;
+    Ok((fit, AdaptivePlan { frame, contacts: given.held, weights, pattern, factor, flat, smooth }))
 }
 
 impl AdaptivePlan {
@@ -79,12 +74,10 @@ impl AdaptivePlan {
     pub fn fit(&mut self, heights: &[f64], slopes: Option<[&[f64]; 2]>) -> Result<RepeatedHeights, HierarchyError> {
         self.check(heights, slopes)?;
         let (origin, scale) = (self.frame.origin[2], self.frame.scale);
-        self.contacts.measure_again(|number| (heights[number] - origin) / scale, slopes);
-        let residuals = ContactResiduals::of(&self.contacts, &self.flat);
+        self.contacts.sorted.measure_again(|number| (heights[number] - origin) / scale, slopes);
+        self.contacts.about(&self.flat)?;
         let space = self.flat.space();
-        let degree = space.mesh().levels().degree();
-        let mut sums = CellSums::empty(space.leaves().len(), degree, &self.contacts);
-        sums.add(&self.contacts, &self.flat, &residuals, self.shares.as_deref());
+        let sums = self.contacts.sums(&self.flat)?;
         let (_, load) = self.pattern.assemble(space, &sums, self.weights);
         let [squares, rows, slope_squares, slope_rows] = sums.totals();
         let mut coefficients = load.clone();
@@ -97,9 +90,9 @@ impl AdaptivePlan {
     }
 
     fn check(&self, heights: &[f64], slopes: Option<[&[f64]; 2]>) -> Result<(), HierarchyError> {
-        let expected = self.contacts.len();
+        let expected = self.contacts.sorted.len();
         let given = slopes.map(|[zx, zy]| [("zx", zx), ("zy", zy)]);
-        if given.is_some() != self.contacts.oriented() {
+        if given.is_some() != self.contacts.sorted.oriented() {
             let expected = if given.is_some() { "none: the first contacts had none" } else { "those of every contact" };
             return Err(HierarchyError::Option { option: "slopes", value: format!("{:?}", given.is_some()), expected });
         }

@@ -10,17 +10,17 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::local_scale::{LocalScales, noise_ratios, shares, weigh_by_noise};
+use super::contact_passes::ContactPasses;
+use super::local_scale::ShareRule;
 use super::marginal_likelihood::{StepEquations, lambdas_of_levels};
 use super::options::{AdaptiveOptions, OutlierRule, RowVariances};
-use super::split_test::{SplitTest, cells_to_split, stands_out};
+use super::split_test::{SplitLimits, cells_to_split, stands_out};
 use super::system::{FitWork, System, timed};
-use crate::equations::{BlockWeights, CellSums, ContactResiduals, SortedContacts};
+use crate::equations::BlockWeights;
 use crate::error::HierarchyError;
 use crate::field::HierarchicalField;
 use crate::mesh::{CellId, Mesh};
 use crate::space::HierarchicalSpace;
-use palpate_geometry::contact::Orientation;
 use palpate_numeric::statistics::VarianceComponent;
 
 /// Likelihoods asked for when nothing is known of lambda, and when that of the round before is.
@@ -53,16 +53,11 @@ pub struct RefinementRound {
 }
 
 /// A fit under way.
-#[derive(Debug)]
 pub(super) struct MeshRefinement<'a> {
     pub options: &'a AdaptiveOptions,
-    pub contacts: &'a SortedContacts,
+    pub passes: &'a mut dyn ContactPasses,
     pub field: HierarchicalField,
-    pub residuals: ContactResiduals,
-    pub shares: Option<Vec<f64>>,
     pub weights: BlockWeights,
-    /// Those of the last step.
-    pub solved_weights: BlockWeights,
     /// Weights of the roughness over the cells of every level; none before the first fit.
     pub lambdas: Vec<f64>,
     /// Variance of a row of weight 1, and what was declared of it.
@@ -70,6 +65,8 @@ pub(super) struct MeshRefinement<'a> {
     declared: Option<f64>,
     /// Cells that were split because they held more than noise.
     suspected: BTreeSet<CellId>,
+    /// Whether what was followed has been halved once more.
+    halved: bool,
     pub rounds: Vec<RefinementRound>,
     pub work: FitWork,
 }
@@ -78,7 +75,7 @@ impl<'a> MeshRefinement<'a> {
     /// The surface z = 0 over the base grid.
     pub(super) fn begin(
         options: &'a AdaptiveOptions,
-        contacts: &'a SortedContacts,
+        passes: &'a mut dyn ContactPasses,
         mesh: Mesh,
         weights: BlockWeights,
         declared: Option<f64>,
@@ -86,19 +83,17 @@ impl<'a> MeshRefinement<'a> {
         let space = Arc::new(HierarchicalSpace::new(mesh));
         let flat = vec![0.0; space.unknowns()];
         let field = HierarchicalField::new(space, flat)?;
-        let residuals = ContactResiduals::of(contacts, &field);
+        passes.about(&field)?;
         Ok(MeshRefinement {
             options,
-            contacts,
+            passes,
             field,
-            residuals,
-            shares: None,
             weights,
-            solved_weights: weights,
             lambdas: Vec::new(),
             variance: 0.0,
             declared,
             suspected: BTreeSet::new(),
+            halved: false,
             rounds: Vec::new(),
             work: FitWork::default(),
         })
@@ -114,16 +109,37 @@ impl<'a> MeshRefinement<'a> {
             } else {
                 self.step(&mut system, 1)?
             }
-            let split = self.find_cells();
+            let split = self.find_cells()?;
             let (cells, unknowns) = (system.space.leaves().len(), system.space.unknowns());
             self.rounds.push(RefinementRound { cells, unknowns, split: split.len() });
+            if split.is_empty() && self.wants_halving() {
+                self.halved = true;
+                let more = self.followed_leaves(&system.space);
+                self.clip()?;
+                self.split(&system.space, &more)?;
+                continue;
+            }
             if split.is_empty() || unknowns > self.options.most_unknowns || self.rounds.len() > most {
                 self.finish(&mut system)?;
                 return Ok(system);
             }
-            self.shares = self.clipped();
+            self.clip()?;
             self.split(&system.space, &split)?;
         }
+    }
+
+    fn wants_halving(&self) -> bool {
+        self.options.last_halving && !self.halved && !self.suspected.is_empty()
+    }
+
+    /// Leaves whose parents held more than noise.
+    fn followed_leaves(&self, space: &HierarchicalSpace) -> Vec<usize> {
+        let followed = |cell: &CellId| {
+            let parent = cell.level.checked_sub(1).map(|level| cell.ancestor(level));
+            usize::from(cell.level) < self.options.deepest_level && parent.is_some_and(|p| self.suspected.contains(&p))
+        };
+        let leaves = space.leaves().iter().enumerate();
+        leaves.filter(|(_, cell)| followed(cell)).map(|(leaf, _)| leaf).collect()
     }
 
     /// Nothing is known of lambda, of the shares or of the slopes that normals are linear about: each fit makes the next one better.
@@ -131,7 +147,7 @@ impl<'a> MeshRefinement<'a> {
         self.step(system, FIRST_SEARCH)?;
         for _ in 0..MOST_FIRST_FITS {
             let before = self.variance;
-            self.shares = self.clipped();
+            self.clip()?;
             self.step(system, LATER_SEARCH)?;
             if (self.variance / before - 1.0).abs() < SETTLED_VARIANCE {
                 break;
@@ -141,22 +157,21 @@ impl<'a> MeshRefinement<'a> {
     }
 
     fn system(&mut self) -> Result<System, HierarchyError> {
-        System::plan(self.field.space().clone(), self.options.roughness, &mut self.work)
+        let AdaptiveOptions { roughness, most_factor_entries, .. } = *self.options;
+        System::plan(self.field.space().clone(), roughness, most_factor_entries, &mut self.work)
     }
 
     /// One step from the surface at hand; `search` likelihoods are asked for lambda, none: it stays.
     pub(super) fn step(&mut self, system: &mut System, search: usize) -> Result<(), HierarchyError> {
         let known = self.begin_levels(system.roughness.len());
-        let degree = system.space.mesh().levels().degree();
-        let MeshRefinement { contacts, field, residuals, shares, weights, work, .. } = self;
-        let sums = timed(&mut work.passes, || {
-            let mut sums = CellSums::empty(system.space.leaves().len(), degree, contacts);
-            sums.add(contacts, field, residuals, shares.as_deref());
-            sums
-        });
+        let sums = timed(&mut self.work.passes, || self.passes.sums(&self.field))?;
+        let [squares, rows, slope_squares, slope_rows] = sums.totals();
+        if known {
+            self.weigh([squares, rows, slope_squares, slope_rows]);
+        }
+        let MeshRefinement { passes, field, weights, work, .. } = self;
         let (matrix, load) = timed(&mut work.assembly, || system.pattern.assemble(&system.space, &sums, *weights));
         let smooth = self.options.roughness.null_dimension() as f64;
-        let [squares, rows, slope_squares, slope_rows] = sums.totals();
         drop(sums);
         let rough = system.rough(&self.lambdas);
         let equations = StepEquations {
@@ -170,20 +185,20 @@ impl<'a> MeshRefinement<'a> {
             declared: self.declared,
             smooth,
         };
-        let step = timed(&mut work.factorisation, || equations.solve(&mut system.factor, known, search))?;
+        // without a determinant no likelihood is known: the lambdas of levels move by traces alone
+        let likelihoods = if system.factor.whole().is_some() { search } else { 0 };
+        let step = timed(&mut work.factorisation, || equations.solve(&mut system.factor, known, likelihoods))?;
         work.factorisations += step.factorisations;
         let moved = field.coefficients().iter().zip(&step.delta).map(|(c, d)| c + d).collect();
         *field = HierarchicalField::new(system.space.clone(), moved)?;
-        *residuals = timed(&mut work.passes, || ContactResiduals::of(contacts, field));
+        timed(&mut work.passes, || passes.about(field))?;
         self.variance = step.variance;
-        self.solved_weights = self.weights;
         self.lambdas.iter_mut().for_each(|lambda| *lambda *= step.factor_of_lambda);
-        if search > 0 && self.lambdas.len() > 1 {
+        if search > 0 && (self.lambdas.len() > 1 || system.factor.whole().is_none()) {
             let (c, lambdas) = (field.coefficients(), &self.lambdas);
             self.lambdas =
                 timed(&mut work.inverse, || lambdas_of_levels(system, lambdas, c, &matrix, step.variance, smooth));
         }
-        self.weigh([0.0; 2]);
         Ok(())
     }
 
@@ -197,118 +212,93 @@ impl<'a> MeshRefinement<'a> {
         known
     }
 
-    /// The two kinds of rows by their variances; `traces` are the degrees of freedom that the surface took of each.
-    pub(super) fn weigh(&mut self, traces: [f64; 2]) {
-        if self.residuals.slopes.is_empty() || self.options.noise != RowVariances::Estimated {
+    /// The two kinds of rows by their variances, from their squares and counts about the surface at hand.
+    fn weigh(&mut self, totals: [f64; 4]) {
+        if !self.passes.columns().layout.oriented || self.options.noise != RowVariances::Estimated {
             return;
         }
-        let [heights, slopes] = self.components(traces).map(|component| component.sd(1.0).unwrap_or(0.0));
+        let [heights, slopes] = components(totals, [0.0; 2]).map(|component| component.sd(1.0).unwrap_or(0.0));
         if heights > 0.0 && slopes > 0.0 {
             // beyond rounding of either kind the ratio means nothing
             self.weights = BlockWeights { heights: 1.0, slopes: (heights / slopes).powi(2).clamp(1e-16, 1e16) };
         }
     }
 
-    /// Squares and rows of heights and of slopes.
-    pub(super) fn components(&self, traces: [f64; 2]) -> [VarianceComponent; 2] {
-        let weights = self.contacts.contacts().weights.z.as_deref();
-        let mut sums = [[0.0; 2]; 2];
-        for r in 0..self.contacts.len() {
-            let share = self.shares.as_ref().map_or(1.0, |s| s[r]);
-            let w = weights.map_or(1.0, |w| w[r]);
-            sums[0][0] += share * (w * self.residuals.heights[r]).powi(2);
-            sums[0][1] += if w > 0.0 { share } else { 0.0 };
-            if let Some([first, second]) = self.residuals.slopes.get(r) {
-                sums[1][0] += share * (first * first + second * second);
-                sums[1][1] += 2.0 * share;
-            }
-        }
-        [0, 1].map(|k| VarianceComponent { squares: sums[k][0], rows: sums[k][1], trace: traces[k] })
+    /// How contacts count while cells are split.
+    fn clip(&mut self) -> Result<(), HierarchyError> {
+        self.share_by(match self.options.outliers {
+            OutlierRule::Keep => ShareRule::All,
+            OutlierRule::Reject { clip, .. } => ShareRule::Clip(clip),
+        })
     }
 
-    /// Shares for the fits while cells are split.
-    fn clipped(&mut self) -> Option<Vec<f64>> {
-        match self.options.outliers {
-            OutlierRule::Keep => self.shares_by(|_| 1.0),
-            OutlierRule::Reject { clip, .. } => self.shares_by(|t| if t > clip { clip / t } else { 1.0 }),
-        }
-    }
-
-    fn shares_by(&mut self, rule: impl Fn(f64) -> f64 + Sync) -> Option<Vec<f64>> {
-        let MeshRefinement { options, contacts, field, residuals, work, .. } = self;
+    fn share_by(&mut self, rule: ShareRule) -> Result<(), HierarchyError> {
+        let MeshRefinement { options, passes, field, work, .. } = self;
         let varies = options.noise_varies && options.noise == RowVariances::Estimated;
-        if !varies && options.outliers == OutlierRule::Keep {
-            return None;
-        }
-        Some(timed(&mut work.passes, || {
-            let scales = LocalScales::of(field.space(), contacts, residuals);
-            let mut made = shares(field.space(), contacts, residuals, &scales, rule);
-            if varies {
-                weigh_by_noise(&mut made, &noise_ratios(contacts, residuals));
-            }
-            made
-        }))
+        timed(&mut work.passes, || passes.weigh(field, rule, varies))
     }
 
     /// The last fits: without the contacts that lie too far off, until these and the lambdas are the same twice.
     fn finish(&mut self, system: &mut System) -> Result<(), HierarchyError> {
         for k in 0..MOST_LAST_FITS {
-            let rejected = self.rejected();
-            let without =
-                |shares: &Option<Vec<f64>>| -> Vec<bool> { shares.iter().flatten().map(|s| *s == 0.0).collect() };
-            let (same, before) = (without(&rejected) == without(&self.shares), self.lambdas.clone());
-            self.shares = rejected;
+            let (before, without) = (self.lambdas.clone(), self.passes.left_out(&self.field)?);
+            self.reject()?;
+            let same = self.passes.left_out(&self.field)? == without;
             self.step(system, if k == 0 { LATER_SEARCH } else { 1 })?;
             let moved = self.lambdas.iter().zip(&before).map(|(a, b)| (a / b).ln().abs()).fold(0.0, f64::max);
             if same && moved < SETTLED {
                 break;
             }
         }
-        self.lambdas.iter_mut().skip(1).for_each(|lambda| *lambda *= UNDERSMOOTHING);
+        if !self.halved {
+            self.lambdas.iter_mut().skip(1).for_each(|lambda| *lambda *= UNDERSMOOTHING);
+        }
         self.step(system, 0)?;
         // rows of normals are linear about the surface before the step, and that one was of other lambdas
-        let normals = matches!(self.contacts.contacts().orientation, Orientation::Normals { .. });
-        if normals { self.step(system, 0) } else { Ok(()) }
+        if self.passes.columns().normals { self.step(system, 0) } else { Ok(()) }
     }
 
-    /// Shares without the contacts that lie too far off.
-    fn rejected(&mut self) -> Option<Vec<f64>> {
-        match self.options.outliers {
-            OutlierRule::Keep => self.shares_by(|_| 1.0),
-            OutlierRule::Reject { reject, .. } => self.shares_by(|t| if t > reject { 0.0 } else { 1.0 }),
-        }
+    /// Contacts that lie too far off count for nothing.
+    fn reject(&mut self) -> Result<(), HierarchyError> {
+        self.share_by(match self.options.outliers {
+            OutlierRule::Keep => ShareRule::All,
+            OutlierRule::Reject { reject, .. } => ShareRule::Reject(reject),
+        })
     }
 
     /// Numbers of the leaves that hold more than noise.
-    fn find_cells(&mut self) -> Vec<usize> {
-        let MeshRefinement { options, contacts, field, residuals, suspected, work, .. } = self;
+    fn find_cells(&mut self) -> Result<Vec<usize>, HierarchyError> {
+        let MeshRefinement { options, passes, field, suspected, work, .. } = self;
         let clip = match options.outliers {
             OutlierRule::Keep => f64::MAX,
             OutlierRule::Reject { clip, .. } => clip,
         };
         timed(&mut work.passes, || {
-            let scales = LocalScales::of(field.space(), contacts, residuals);
             let (least_contacts, deepest_level) = (options.least_contacts, options.deepest_level);
-            let (space, scales) = (field.space(), &scales);
-            let test = SplitTest { space, contacts, residuals, scales, clip, least_contacts, deepest_level };
+            let evidence = passes.evidence(field, SplitLimits { clip, least_contacts, deepest_level })?;
+            let space = field.space();
             let rates = [options.false_discovery_rate, options.significance_of_children];
-            let evidence = test.evidence();
             let significances: Vec<f64> = evidence.iter().map(|cell| cell.significance).collect();
             let unshaded = |leaf: usize| stands_out(space, &evidence, leaf);
             let split = cells_to_split(space.leaves(), &significances, suspected, rates, unshaded);
             suspected.extend(split.iter().map(|leaf| space.leaves()[*leaf]));
-            split
+            Ok(split)
         })
     }
 
     fn split(&mut self, space: &HierarchicalSpace, leaves: &[usize]) -> Result<(), HierarchyError> {
-        let MeshRefinement { field, work, .. } = self;
-        // the surface is the same but for rounding, and so are the residuals
+        let MeshRefinement { field, passes, work, .. } = self;
         *field = timed(&mut work.assembly, || {
             let mut mesh = space.mesh().clone();
             leaves.iter().try_for_each(|leaf| mesh.refine(space.leaves()[*leaf]))?;
             field.embedded(Arc::new(HierarchicalSpace::new(mesh)))
         })?;
-        Ok(())
+        timed(&mut work.passes, || passes.about(field))
     }
+}
+
+/// Heights and slopes from their squares and counts; `traces` are the degrees of freedom that the surface took of each.
+pub(super) fn components([z, rows, s, sites]: [f64; 4], traces: [f64; 2]) -> [VarianceComponent; 2] {
+    let of = |squares, rows, trace| VarianceComponent { squares, rows, trace };
+    [of(z, rows, traces[0]), of(s, 2.0 * sites, traces[1])]
 }

@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::local_scale::LocalScales;
-use crate::equations::{ContactResiduals, SortedContacts};
+use crate::equations::{ContactResiduals, SortedContacts, SurfaceCells};
 use crate::mesh::CellId;
 use crate::space::HierarchicalSpace;
 use palpate_numeric::threads;
@@ -37,10 +37,16 @@ const PIECE: usize = 64;
 /// What is tested, and how.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SplitTest<'a> {
-    pub space: &'a HierarchicalSpace,
+    pub surface: SurfaceCells<'a>,
     pub contacts: &'a SortedContacts,
     pub residuals: &'a ContactResiduals,
     pub scales: &'a LocalScales,
+    pub limits: SplitLimits,
+}
+
+/// Which cells may be split, and what is seen of far residuals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SplitLimits {
     /// Residuals are clipped at so many local scales.
     pub clip: f64,
     pub least_contacts: usize,
@@ -66,13 +72,13 @@ type BoxSums = [f64; 3];
 impl SplitTest<'_> {
     /// Evidence in every leaf.
     pub(crate) fn evidence(&self) -> Vec<CellEvidence> {
-        threads::map(self.space.leaves().len(), PIECE, |leaf| self.of_leaf(leaf))
+        threads::map(self.surface.cells.len(), PIECE, |leaf| self.of_leaf(leaf))
     }
 
     fn of_leaf(&self, leaf: usize) -> CellEvidence {
-        let cell = self.space.leaves()[leaf];
-        let range = self.contacts.of_cell(self.space.mesh(), cell);
-        if range.len() < self.least_contacts || usize::from(cell.level) >= self.deepest_level {
+        let cell = self.surface.cells[leaf];
+        let range = self.contacts.of_cell(self.surface.mesh, cell);
+        if range.len() < self.limits.least_contacts || usize::from(cell.level) >= self.limits.deepest_level {
             return CellEvidence::NONE;
         }
         let heights = self.of_kind(leaf, self.scales.heights[leaf], |r| self.residuals.heights[r]);
@@ -93,16 +99,16 @@ impl SplitTest<'_> {
         if scale.is_nan() || scale <= 0.0 {
             return CellEvidence::NONE;
         }
-        let cell = self.space.leaves()[leaf];
-        let range = self.contacts.of_cell(self.space.mesh(), cell);
-        let [centre, half] = self.space.mesh().centre_and_half(cell);
+        let cell = self.surface.cells[leaf];
+        let range = self.contacts.of_cell(self.surface.mesh, cell);
+        let [centre, half] = self.surface.mesh.centre_and_half(cell);
         let columns = self.contacts.contacts();
         let mut side = finest_side(range.len());
         let place = |x: f64, axis: usize| {
             let along = ((x - centre[axis]) / half[axis] + 1.0) * 0.5 * side as f64;
             (along as usize).min(side - 1)
         };
-        let limit = self.clip * scale;
+        let limit = self.limits.clip * scale;
         let mut boxes = vec![[0.0; 3]; side * side];
         for r in range {
             if columns.weights.z.as_ref().is_some_and(|w| w[r] == 0.0) {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::equations::{LevelRoughness, MeetingPattern};
 use crate::error::HierarchyError;
-use crate::factor::SparseCholesky;
+use crate::factor::EquationSolver;
 use crate::space::HierarchicalSpace;
 use palpate_fitting::observation::RoughnessOrder;
 
@@ -41,13 +41,14 @@ pub(super) struct System {
     pub pattern: MeetingPattern,
     /// Over the cells of every level.
     pub roughness: Vec<LevelRoughness>,
-    pub factor: SparseCholesky,
+    pub factor: EquationSolver,
 }
 
 impl System {
     pub(super) fn plan(
         space: Arc<HierarchicalSpace>,
         order: RoughnessOrder,
+        most_entries: usize,
         work: &mut FitWork,
     ) -> Result<System, HierarchyError> {
         let (pattern, roughness) = timed(&mut work.assembly, || {
@@ -55,7 +56,9 @@ impl System {
             let roughness = pattern.roughness(&space, order);
             (pattern, roughness)
         });
-        let factor = timed(&mut work.factorisation, || SparseCholesky::plan(pattern.starts(), pattern.rows()))?;
+        let factor = timed(&mut work.factorisation, || {
+            EquationSolver::plan(pattern.starts(), pattern.rows(), &space.places(), most_entries)
+        })?;
         Ok(System { space, pattern, roughness, factor })
     }
 

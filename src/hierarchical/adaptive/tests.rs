@@ -2,6 +2,7 @@
 
 use super::*;
 use palpate_geometry::contact::Orientation;
+use palpate_geometry::curvature::Derivatives;
 use palpate_geometry::surface::Surface;
 use palpate_numeric::draws::Lcg;
 
@@ -265,4 +266,58 @@ fn few_or_faulty_contacts_are_answered_or_refused() {
     assert!(matches!(fit_adaptive(&bad, &AdaptiveOptions::default()), Err(HierarchyError::Contacts(_))));
     let options = AdaptiveOptions { degree: 1, ..AdaptiveOptions::default() };
     assert!(matches!(fit_adaptive(&touched(20, 0.1, 16, smooth), &options), Err(HierarchyError::Option { .. })));
+}
+
+/// The same cells, weights and coefficients without the factor of the whole; what only it knows is not told.
+#[test]
+fn gradients_give_the_fit_of_the_factor() {
+    let contacts = touched(100_000, 0.002, 22, scratched);
+    let whole = fitted(&contacts);
+    let options = AdaptiveOptions { most_factor_entries: 12_000, ..AdaptiveOptions::default() };
+    let fit = fit_adaptive(&contacts, &options).unwrap();
+    assert!(whole.report().factor_entries > 12_000, "{}", whole.report().factor_entries);
+    assert_eq!(fit.report().rounds, whole.report().rounds);
+    assert!(fit.report().backward_error.is_some_and(|error| error < 1e-12), "{:?}", fit.report().backward_error);
+    assert!(fit.report().freedom.is_none() && fit.report().condition.is_nan() && fit.height_sd(0.0, 0.0).is_none());
+    // the last lambdas come by traces alone: less than a tenth of a standard uncertainty
+    for [x, y] in [[0.31, -0.44], [0.3, 0.3], [-0.9, 0.8]] {
+        let off = (fit.at(x, y).z - whole.at(x, y).z).abs();
+        assert!(off < 0.1 * whole.height_sd(x, y).unwrap(), "{off} at {x}, {y}");
+    }
+}
+
+/// The level below what is told from noise: within two radii of a bump, intervals of R hold as often as they say. At its very top, where
+/// R is largest, they still hold less often.
+#[test]
+fn one_halving_more_makes_room_for_what_noise_hides() {
+    let second = |x: f64, y: f64| {
+        let step = 1e-4;
+        let z = |i: f64, j: f64| scratched(x + i * step, y + j * step);
+        let (along, across) = ((z(1.0, 0.0) - z(-1.0, 0.0)) / 2e-4, (z(0.0, 1.0) - z(0.0, -1.0)) / 2e-4);
+        let bent = |a: f64, b: f64| (a - 2.0 * z(0.0, 0.0) + b) / 1e-8;
+        let mixed = (z(1.0, 1.0) - z(1.0, -1.0) - z(-1.0, 1.0) + z(-1.0, -1.0)) / 4e-8;
+        let (xx, yy) = (bent(z(1.0, 0.0), z(-1.0, 0.0)), bent(z(0.0, 1.0), z(0.0, -1.0)));
+        Derivatives::of_height(along, across, xx, mixed, yy).principal().unwrap().curvedness()
+    };
+    let (mut held, mut draw) = ([0, 0], Lcg::new(60));
+    for seed in 0..20 {
+        let contacts = touched(60_000, 0.002, 40 + seed, scratched);
+        let places: Vec<[f64; 2]> = (0..50)
+            .map(|_| {
+                let (r, t) = (0.06 * draw.uniform().sqrt(), std::f64::consts::TAU * draw.uniform());
+                [0.31 + r * t.cos(), -0.44 + r * t.sin()]
+            })
+            .collect();
+        for last_halving in [false, true] {
+            let fit = fit_adaptive(&contacts, &AdaptiveOptions { last_halving, ..AdaptiveOptions::default() }).unwrap();
+            let holds = |[x, y]: &&[f64; 2]| {
+                let found = fit.jet([*x, *y]).principal().unwrap().curvedness();
+                let sd = fit.point_sds([*x, *y]).and_then(|sds| sds.curvedness).unwrap();
+                (found - second(*x, *y)).abs() < 1.96 * sd
+            };
+            held[usize::from(last_halving)] += places.iter().filter(holds).count();
+        }
+    }
+    // 950 of 1,000 are wanted
+    assert!(held[1] > 930 && held[1] > held[0] + 50, "{held:?} of 1000");
 }

@@ -7,17 +7,22 @@
 //!
 //! Equations are those of a step from a surface S that is at hand, so that noise far smaller than the heights loses no digits.
 
+mod column_kind;
 mod local;
 mod matrix;
 mod polynomials;
 mod residuals;
 mod sorted_contacts;
 mod sums;
+mod surface_cells;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use column_kind::{ColumnKind, columns_of};
 pub use local::BlockWeights;
 pub use matrix::{LevelRoughness, MeetingPattern};
 pub use residuals::ContactResiduals;
+pub(crate) use sorted_contacts::codes_of_cell;
 pub use sorted_contacts::{SortedContacts, patch_frame};
-pub use sums::CellSums;
+pub use sums::{CellSums, SumLayout};
+pub use surface_cells::SurfaceCells;

@@ -6,9 +6,8 @@
 
 use std::ops::Range;
 
-use super::polynomials::{AxisPolynomials, CellPolynomial};
 use super::sorted_contacts::SortedContacts;
-use crate::field::HierarchicalField;
+use super::surface_cells::SurfaceCells;
 use palpate_fitting::observation::linearise_normals;
 use palpate_geometry::contact::Orientation;
 use palpate_numeric::linalg::SiteWeights;
@@ -23,18 +22,8 @@ pub struct ContactResiduals {
     pub slopes: Vec<[f64; 2]>,
 }
 
-/// Leaves that one thread takes at a time.
+/// Cells that one thread takes at a time.
 const PIECE: usize = 16;
-
-/// The polynomials of a leaf and of the surface on it.
-pub(crate) fn leaf_polynomial(field: &HierarchicalField, leaf: usize) -> ([AxisPolynomials; 2], CellPolynomial) {
-    let space = field.space();
-    let cell = space.leaves()[leaf];
-    let knots = space.knots_of(leaf);
-    let axes = [0, 1].map(|k| AxisPolynomials::new(knots[k], cell.place[k] as usize));
-    let polynomial = CellPolynomial::new(&axes, space.mesh().centre_and_half(cell), field.table(leaf));
-    (axes, polynomial)
-}
 
 /// Slope rows of contact r about the slopes `(p, q)`: the triangle of their weights, and what they leave.
 #[inline]
@@ -58,41 +47,40 @@ pub(crate) fn slope_residual(contacts: &SortedContacts, r: usize, p: f64, q: f64
 }
 
 impl ContactResiduals {
-    /// Those of all contacts about a surface, on all threads.
-    pub fn of(contacts: &SortedContacts, field: &HierarchicalField) -> ContactResiduals {
-        let space = field.space();
-        let leaves = space.leaves();
+    /// Those of all contacts about a surface whose cells hold them all, on all threads.
+    pub fn of(contacts: &SortedContacts, surface: SurfaceCells<'_>) -> ContactResiduals {
+        let SurfaceCells { mesh, cells, .. } = surface;
         let mut made = ContactResiduals {
             heights: vec![0.0; contacts.len()],
             slopes: if contacts.oriented() { vec![[0.0; 2]; contacts.len()] } else { Vec::new() },
         };
         let mut pieces = Vec::new();
         let (mut heights, mut slopes) = (&mut made.heights[..], &mut made.slopes[..]);
-        for from in (0..leaves.len()).step_by(PIECE) {
-            let to = leaves.len().min(from + PIECE);
-            let start = contacts.of_cell(space.mesh(), leaves[from]).start;
-            let count = contacts.of_cell(space.mesh(), leaves[to - 1]).end - start;
+        for from in (0..cells.len()).step_by(PIECE) {
+            let to = cells.len().min(from + PIECE);
+            let start = contacts.of_cell(mesh, cells[from]).start;
+            let count = contacts.of_cell(mesh, cells[to - 1]).end - start;
             let (piece, rest) = heights.split_at_mut(count);
             let (oriented, others) = slopes.split_at_mut(if slopes.is_empty() { 0 } else { count });
             (heights, slopes) = (rest, others);
             pieces.push((from..to, start, piece, oriented));
         }
-        threads::each(&mut pieces, |_, (leaves, start, heights, slopes)| {
-            for leaf in leaves.clone() {
-                let range = contacts.of_cell(space.mesh(), space.leaves()[leaf]);
+        threads::each(&mut pieces, |_, (numbers, start, heights, slopes)| {
+            for number in numbers.clone() {
+                let range = contacts.of_cell(mesh, cells[number]);
                 let inside = range.start - *start..range.end - *start;
                 let slopes = if slopes.is_empty() { &mut [][..] } else { &mut slopes[inside.clone()] };
-                leaf_residuals(contacts, field, leaf, range, &mut heights[inside], slopes);
+                cell_residuals(contacts, surface, number, range, &mut heights[inside], slopes);
             }
         });
         made
     }
 }
 
-fn leaf_residuals(
+fn cell_residuals(
     contacts: &SortedContacts,
-    field: &HierarchicalField,
-    leaf: usize,
+    surface: SurfaceCells<'_>,
+    number: usize,
     range: Range<usize>,
     heights: &mut [f64],
     slopes: &mut [[f64; 2]],
@@ -100,7 +88,7 @@ fn leaf_residuals(
     if range.is_empty() {
         return;
     }
-    let (_, polynomial) = leaf_polynomial(field, leaf);
+    let polynomial = surface.polynomial(number);
     let columns = contacts.contacts();
     for (k, r) in range.enumerate() {
         let at = polynomial.local(columns.x[r], columns.y[r]);

@@ -9,6 +9,7 @@
 
 use std::ops::Range;
 
+use super::column_kind::{ColumnKind, columns_of};
 use crate::error::HierarchyError;
 use crate::mesh::{CellId, MAX_LEVEL, Mesh};
 use palpate_geometry::contact::{Contacts, Frame, Orientation};
@@ -25,6 +26,10 @@ pub struct SortedContacts {
 
 /// Contacts whose codes one thread makes at a time.
 const PIECE: usize = 1 << 14;
+
+fn parts(what: String) -> HierarchyError {
+    HierarchyError::Parts { what }
+}
 
 /// Digits of x and y in turn.
 fn interleaved([x, y]: [u32; 2]) -> u64 {
@@ -93,6 +98,83 @@ impl SortedContacts {
         Ok(SortedContacts { contacts, codes, numbers })
     }
 
+    /// Some of all contacts that came from this number on, in an order that others of them can be put into.
+    ///
+    /// # Errors
+    /// Numbers beyond 2^32.
+    pub(crate) fn numbered_from(mut self, first: usize) -> Result<SortedContacts, HierarchyError> {
+        let last = first + self.len();
+        let first = u32::try_from(last).map_err(|_| parts(format!("{last} contacts: at most {}", u32::MAX)))?
+            - self.numbers.len() as u32;
+        self.numbers.iter_mut().for_each(|number| *number += first);
+        Ok(self)
+    }
+
+    /// A run of them.
+    pub(crate) fn slice(&self, range: Range<usize>) -> SortedContacts {
+        let order: Vec<u32> = range.clone().map(|r| r as u32).collect();
+        SortedContacts {
+            contacts: self.contacts.in_order(&order),
+            codes: self.codes[range.clone()].to_vec(),
+            numbers: self.numbers[range].to_vec(),
+        }
+    }
+
+    /// All of these, sorted.
+    ///
+    /// # Errors
+    /// When some come with columns that others lack.
+    pub(crate) fn merged(runs: &[SortedContacts]) -> Result<SortedContacts, HierarchyError> {
+        let Some(first) = runs.first() else { return Err(parts("no contacts".into())) };
+        let kind = ColumnKind::of(&first.contacts);
+        if runs.iter().any(|run| ColumnKind::of(&run.contacts) != kind) {
+            return Err(parts("some come with columns that others lack".into()));
+        }
+        let joined = |k: usize| runs.iter().flat_map(|run| columns_of(&run.contacts)[k].iter().copied()).collect();
+        let contacts = kind.contacts((0..kind.count()).map(joined).collect());
+        let codes: Vec<u64> = runs.iter().flat_map(|run| run.codes.iter().copied()).collect();
+        let numbers: Vec<u32> = runs.iter().flat_map(|run| run.numbers.iter().copied()).collect();
+        if codes.iter().zip(&numbers).is_sorted() {
+            return Ok(SortedContacts { contacts, codes, numbers });
+        }
+        let mut order: Vec<u32> = (0..codes.len() as u32).collect();
+        order.sort_unstable_by_key(|r| (codes[*r as usize], numbers[*r as usize]));
+        Ok(SortedContacts {
+            contacts: contacts.in_order(&order),
+            codes: order.iter().map(|r| codes[*r as usize]).collect(),
+            numbers: order.iter().map(|r| numbers[*r as usize]).collect(),
+        })
+    }
+
+    /// From columns that were taken apart.
+    ///
+    /// # Errors
+    /// Columns of different lengths, and codes in no order.
+    pub(crate) fn of_columns(
+        kind: ColumnKind,
+        columns: Vec<Vec<f64>>,
+        codes: Vec<u64>,
+        numbers: Vec<u32>,
+    ) -> Result<SortedContacts, HierarchyError> {
+        let count = codes.len();
+        let whole = columns.len() == kind.count() && columns.iter().all(|column| column.len() == count);
+        if !whole || numbers.len() != count || !codes.is_sorted() {
+            return Err(parts("columns that do not belong together".into()));
+        }
+        Ok(SortedContacts { contacts: kind.contacts(columns), codes, numbers })
+    }
+
+    /// Where each stands in the order of the cells, and the number that it had when it came.
+    pub(crate) fn codes_and_numbers(&self) -> (&[u64], &[u32]) {
+        (&self.codes, &self.numbers)
+    }
+
+    /// Those of a run of base cells.
+    pub(crate) fn of_roots(&self, roots: Range<usize>) -> Range<usize> {
+        let at = |root: usize| self.codes.partition_point(|code| *code < (root as u64) << (2 * MAX_LEVEL));
+        at(roots.start)..at(roots.end)
+    }
+
     /// The contacts, sorted.
     pub fn contacts(&self) -> &Contacts {
         &self.contacts
@@ -133,13 +215,18 @@ impl SortedContacts {
 
     /// The contacts of a cell.
     pub fn of_cell(&self, mesh: &Mesh, cell: CellId) -> Range<usize> {
-        let root = cell.ancestor(0).place.map(|k| k as usize);
-        let shift = MAX_LEVEL - usize::from(cell.level);
-        let digits = cell.place.map(|k| (k << shift) & ((1 << MAX_LEVEL) - 1));
-        let from = code(mesh, root, digits);
-        let to = from + (1u64 << (2 * shift));
+        let [from, to] = codes_of_cell(mesh, cell);
         self.codes.partition_point(|c| *c < from)..self.codes.partition_point(|c| *c < to)
     }
+}
+
+/// Codes of the places in a cell: from the first to before the second.
+pub(crate) fn codes_of_cell(mesh: &Mesh, cell: CellId) -> [u64; 2] {
+    let root = cell.ancestor(0).place.map(|k| k as usize);
+    let shift = MAX_LEVEL - usize::from(cell.level);
+    let digits = cell.place.map(|k| (k << shift) & ((1 << MAX_LEVEL) - 1));
+    let from = code(mesh, root, digits);
+    [from, from + (1u64 << (2 * shift))]
 }
 
 /// Codes in ascending order and the numbers of their contacts; contacts of one code keep their order.

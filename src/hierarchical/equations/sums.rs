@@ -10,10 +10,10 @@
 //! contact's rows have one weight, the four sums G are one.
 
 use super::polynomials::CellPolynomial;
-use super::residuals::{ContactResiduals, leaf_polynomial, slope_residual};
+use super::residuals::{ContactResiduals, slope_residual};
 use super::sorted_contacts::SortedContacts;
-use crate::field::HierarchicalField;
-use palpate_geometry::contact::Orientation;
+use super::surface_cells::SurfaceCells;
+use palpate_geometry::contact::{Contacts, Orientation};
 use palpate_numeric::simd::{CellMoments, Isa, MAX_MOMENT_DEGREE, MomentPowers, moments};
 use palpate_numeric::threads;
 
@@ -26,14 +26,23 @@ const SCALARS: usize = 4;
 
 /// Where everything stands among the numbers of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SumLayout {
-    pub degree: [usize; 2],
+pub struct SumLayout {
+    pub(crate) degree: [usize; 2],
     /// 1 where all rows of a contact have one weight, else 4.
-    pub sets: usize,
-    pub oriented: bool,
+    pub(crate) sets: usize,
+    pub(crate) oriented: bool,
 }
 
 impl SumLayout {
+    /// For contacts with the columns of these.
+    pub fn of(degree: [usize; 2], columns: &Contacts) -> SumLayout {
+        let weights = &columns.weights;
+        let oriented = columns.orientation != Orientation::None;
+        let normals = matches!(columns.orientation, Orientation::Normals { .. });
+        let several = weights.x.is_some() || weights.y.is_some() || (weights.z.is_some() && oriented);
+        SumLayout { degree, sets: if oriented && (normals || several) { 4 } else { 1 }, oriented }
+    }
+
     fn set_len(&self) -> usize {
         (2 * self.degree[0] + 1) * (2 * self.degree[1] + 1)
     }
@@ -81,41 +90,51 @@ pub struct CellSums {
 }
 
 impl CellSums {
-    /// No contacts yet, for contacts of the kind of these.
-    pub fn empty(leaves: usize, degree: [usize; 2], contacts: &SortedContacts) -> CellSums {
-        let columns = contacts.contacts();
-        let weights = &columns.weights;
-        let normals = matches!(columns.orientation, Orientation::Normals { .. });
-        let several = weights.x.is_some() || weights.y.is_some() || (weights.z.is_some() && contacts.oriented());
-        let sets = if contacts.oriented() && (normals || several) { 4 } else { 1 };
-        let layout = SumLayout { degree, sets, oriented: contacts.oriented() };
-        CellSums { layout, values: vec![0.0; leaves * layout.stride()] }
+    /// No contacts yet.
+    pub fn empty(cells: usize, layout: SumLayout) -> CellSums {
+        CellSums { layout, values: vec![0.0; cells * layout.stride()] }
     }
 
-    /// Adds contacts by what they say beyond a surface; `shares` multiplies the squared weights of each (`None`: all 1).
+    /// Sums that were taken apart by [`CellSums::into_values`], those of one run of cells behind those of another.
+    pub fn of_values(layout: SumLayout, values: Vec<f64>) -> CellSums {
+        CellSums { layout, values }
+    }
+
+    /// All numbers, cell by cell.
+    pub fn into_values(self) -> Vec<f64> {
+        self.values
+    }
+
+    /// Cells that they are of.
+    pub fn cells(&self) -> usize {
+        self.values.len() / self.layout.stride()
+    }
+
+    /// Adds the contacts of these cells by what they say beyond the surface; `shares` multiplies the squared weights of each (`None`: all
+    /// 1).
     ///
     /// # Panics
-    /// When residuals or shares are not as many as the contacts, or the sums were made for another space.
+    /// When residuals or shares are not as many as the contacts, or the sums were made for other cells.
     pub fn add(
         &mut self,
         contacts: &SortedContacts,
-        field: &HierarchicalField,
+        surface: SurfaceCells<'_>,
         residuals: &ContactResiduals,
         shares: Option<&[f64]>,
     ) {
         let stride = self.layout.stride();
         let layout = self.layout;
-        assert_eq!(self.values.len(), field.space().leaves().len() * stride, "the sums are of another space");
+        assert_eq!(self.cells(), surface.cells.len(), "the sums are of other cells");
         let mut pieces: Vec<&mut [f64]> = self.values.chunks_mut(PIECE * stride).collect();
         threads::each(&mut pieces, |piece, cells| {
             let mut batch = Batch::new(layout);
             for (k, cell) in cells.chunks_exact_mut(stride).enumerate() {
-                let leaf = piece * PIECE + k;
-                let range = contacts.of_cell(field.space().mesh(), field.space().leaves()[leaf]);
+                let number = piece * PIECE + k;
+                let range = contacts.of_cell(surface.mesh, surface.cells[number]);
                 if range.is_empty() {
                     continue;
                 }
-                let (_, polynomial) = leaf_polynomial(field, leaf);
+                let polynomial = surface.polynomial(number);
                 for from in range.clone().step_by(BATCH) {
                     let to = range.end.min(from + BATCH);
                     batch.fill(contacts, &polynomial, residuals, shares, from..to);

@@ -78,9 +78,9 @@ fn packed_cells_give_the_rows_of_the_contacts() {
             }
             let sorted = SortedContacts::new(&measured, &Frame::IDENTITY, space.mesh()).unwrap();
             let weights = BlockWeights { heights: 1.7, slopes: 0.3 };
-            let residuals = ContactResiduals::of(&sorted, &field);
-            let mut sums = CellSums::empty(space.leaves().len(), degree, &sorted);
-            sums.add(&sorted, &field, &residuals, None);
+            let residuals = ContactResiduals::of(&sorted, SurfaceCells::of(&field));
+            let mut sums = CellSums::empty(space.leaves().len(), SumLayout::of(degree, sorted.contacts()));
+            sums.add(&sorted, SurfaceCells::of(&field), &residuals, None);
             let pattern = MeetingPattern::of(&space);
             let (values, load) = pattern.assemble(&space, &sums, weights);
             let (matrix, expected) = dense(&sorted, &field, weights);
@@ -113,8 +113,9 @@ fn pieces_and_kinds_of_sums_agree() {
             let mut piece = part(*from, *to);
             piece.weights.x = weighted.then(|| vec![1.0; to - from]);
             let sorted = SortedContacts::new(&piece, &Frame::IDENTITY, space.mesh()).unwrap();
-            let sums = all.get_or_insert_with(|| CellSums::empty(space.leaves().len(), [3, 3], &sorted));
-            sums.add(&sorted, &field, &ContactResiduals::of(&sorted, &field), None);
+            let sums = all
+                .get_or_insert_with(|| CellSums::empty(space.leaves().len(), SumLayout::of([3, 3], sorted.contacts())));
+            sums.add(&sorted, SurfaceCells::of(&field), &ContactResiduals::of(&sorted, SurfaceCells::of(&field)), None);
         }
         let sums = all.unwrap();
         let pattern = MeetingPattern::of(&space);
@@ -139,11 +140,16 @@ fn roughness_is_the_integral() {
     measured.z = (0..3000).map(|r| measured.x[r].powi(2) * measured.y[r]).collect();
     let sorted = SortedContacts::new(&measured, &Frame::IDENTITY, space.mesh()).unwrap();
     let zero = HierarchicalField::new(space.clone(), vec![0.0; space.unknowns()]).unwrap();
-    let mut sums = CellSums::empty(space.leaves().len(), [3, 2], &sorted);
-    sums.add(&sorted, &zero, &ContactResiduals::of(&sorted, &zero), None);
+    let mut sums = CellSums::empty(space.leaves().len(), SumLayout::of([3, 2], sorted.contacts()));
+    sums.add(&sorted, SurfaceCells::of(&zero), &ContactResiduals::of(&sorted, SurfaceCells::of(&zero)), None);
     let pattern = MeetingPattern::of(&space);
     let (values, load) = pattern.assemble(&space, &sums, BlockWeights { heights: 1.0, slopes: 0.0 });
-    let mut factor = crate::factor::SparseCholesky::plan(pattern.starts(), pattern.rows()).unwrap();
+    let mut factor = crate::factor::SparseCholesky::plan(
+        pattern.starts(),
+        pattern.rows(),
+        crate::factor::EliminationOrder::MinimumDegree,
+    )
+    .unwrap();
     factor.factor(&values).unwrap();
     let mut c = load;
     factor.solve(&mut c);
@@ -168,8 +174,8 @@ fn one_and_two_threads_give_the_same_bits() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let sorted = SortedContacts::new(&measured, &Frame::IDENTITY, space.mesh()).unwrap();
-            let mut sums = CellSums::empty(space.leaves().len(), [3, 3], &sorted);
-            sums.add(&sorted, &field, &ContactResiduals::of(&sorted, &field), None);
+            let mut sums = CellSums::empty(space.leaves().len(), SumLayout::of([3, 3], sorted.contacts()));
+            sums.add(&sorted, SurfaceCells::of(&field), &ContactResiduals::of(&sorted, SurfaceCells::of(&field)), None);
             MeetingPattern::of(&space).assemble(&space, &sums, BlockWeights { heights: 1.0, slopes: 0.0 })
         })
     };

@@ -1,10 +1,14 @@
 //! Sparse factors of the normal equations and what follows from them: solutions, determinant, condition, entries of the inverse.
 
+mod equation_solver;
+mod nested_dissection;
+mod schwarz;
 mod selected_inverse;
 mod sparse_cholesky;
 
+pub use equation_solver::EquationSolver;
 pub use selected_inverse::SelectedInverse;
-pub use sparse_cholesky::SparseCholesky;
+pub use sparse_cholesky::{EliminationOrder, SparseCholesky};
 
 #[cfg(test)]
 mod tests {
@@ -42,9 +46,19 @@ mod tests {
 
     #[test]
     fn solutions_traces_and_entries_of_the_inverse() {
-        for (wide, high) in [(1, 1), (3, 2), (17, 13), (40, 31)] {
+        for (wide, high, cut) in [
+            (1, 1, false),
+            (3, 2, false),
+            (17, 13, false),
+            (40, 31, false),
+            (1, 1, true),
+            (17, 13, true),
+            (40, 31, true),
+        ] {
             let (starts, rows, values) = grid(wide, high);
-            let mut factor = SparseCholesky::plan(&starts, &rows).unwrap();
+            let places: Vec<[f64; 2]> = (0..wide * high).map(|k| [k / high, k % high].map(|t| t as f64)).collect();
+            let by = if cut { EliminationOrder::NestedDissection(&places) } else { EliminationOrder::MinimumDegree };
+            let mut factor = SparseCholesky::plan(&starts, &rows, by).unwrap();
             factor.factor(&values).unwrap();
             let n = wide * high;
             let exact: Vec<f64> = (0..n).map(|k| (0.3 * k as f64).cos()).collect();
@@ -68,9 +82,25 @@ mod tests {
     }
 
     #[test]
+    fn gradients_solve_what_the_factor_solves() {
+        for (wide, high) in [(3, 2), (40, 31), (90, 70)] {
+            let (starts, rows, values) = grid(wide, high);
+            let places: Vec<[f64; 2]> = (0..wide * high).map(|k| [k / high, k % high].map(|t| t as f64)).collect();
+            let mut gradients = EquationSolver::plan(&starts, &rows, &places, 0).unwrap();
+            assert!(gradients.whole().is_none());
+            gradients.factor(&values).unwrap();
+            let exact: Vec<f64> = (0..wide * high).map(|k| (0.3 * k as f64).cos()).collect();
+            let mut v = multiply(&starts, &rows, &values, &exact);
+            gradients.solve(&mut v);
+            assert!(v.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-12));
+            assert!(EquationSolver::plan(&starts, &rows, &places, usize::MAX).unwrap().whole().is_some());
+        }
+    }
+
+    #[test]
     fn determinant_and_condition_of_a_diagonal_block() {
         // [4 1; 1 9] has the determinant 35; equilibrated [1 1/6; 1/6 1] with condition 7/5
-        let mut factor = SparseCholesky::plan(&[0, 1, 3], &[0, 0, 1]).unwrap();
+        let mut factor = SparseCholesky::plan(&[0, 1, 3], &[0, 0, 1], EliminationOrder::MinimumDegree).unwrap();
         factor.factor(&[4.0, 1.0, 9.0]).unwrap();
         assert!((factor.log_determinant() - 35.0_f64.ln()).abs() < 1e-15);
         assert!((factor.condition() - 1.4).abs() < 1e-14);
@@ -79,7 +109,7 @@ mod tests {
 
     #[test]
     fn what_is_not_positive_definite_is_named() {
-        let mut factor = SparseCholesky::plan(&[0, 1, 3, 4], &[0, 0, 1, 2]).unwrap();
+        let mut factor = SparseCholesky::plan(&[0, 1, 3, 4], &[0, 0, 1, 2], EliminationOrder::MinimumDegree).unwrap();
         let refused = factor.factor(&[1.0, 2.0, 1.0, 1.0]).unwrap_err();
         assert!(matches!(refused, HierarchyError::NotPositiveDefinite { unknown: 0 | 1, unknowns: 3 }), "{refused}");
         assert_eq!(factor.factor(&[1.0, 0.0, 1.0, f64::NAN]), Err(HierarchyError::Overflow { unknown: 2 }));

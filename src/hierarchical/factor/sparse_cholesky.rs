@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
+use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::{SupernodalLltRef, SymbolicSupernodalCholesky};
 use faer::sparse::linalg::cholesky::{
@@ -16,8 +17,18 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
+use super::nested_dissection::nested_dissection;
 use crate::error::HierarchyError;
 use palpate_numeric::linalg::inverse_norm1_estimate;
+
+/// In which order unknowns are eliminated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EliminationOrder<'a> {
+    /// That of approximate minimum degree (P. Amestoy, T. Davis, I. Duff, *SIAM J. Matrix Anal. Appl.* 17 (1996) 886).
+    MinimumDegree,
+    /// Nested dissection by the places of the unknowns.
+    NestedDissection(&'a [[f64; 2]]),
+}
 
 /// A factorisation of symmetric matrices of one pattern.
 #[derive(Clone, Debug)]
@@ -33,15 +44,14 @@ pub struct SparseCholesky {
 }
 
 impl SparseCholesky {
-    /// Plans for a pattern: column starts, and the rows of each column up to its diagonal, ascending. The order is that of approximate
-    /// minimum degree.
+    /// Plans for a pattern: column starts, and the rows of each column up to its diagonal, ascending.
     ///
     /// # Errors
     /// [`HierarchyError::Memory`].
     ///
     /// # Panics
-    /// When the pattern is no upper triangle in compressed columns.
-    pub fn plan(starts: &[usize], rows: &[usize]) -> Result<SparseCholesky, HierarchyError> {
+    /// When the pattern is no upper triangle in compressed columns, or there are not as many places as columns.
+    pub fn plan(starts: &[usize], rows: &[usize], by: EliminationOrder<'_>) -> Result<SparseCholesky, HierarchyError> {
         let unknowns = starts.len().saturating_sub(1);
         let pattern = SymbolicSparseColMatRef::new_checked(unknowns, unknowns, starts, None, rows);
         // one kind of factor, so that its columns are read in one way; below 0, so that one unknown without any product has it, too
@@ -49,7 +59,20 @@ impl SparseCholesky {
             supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
             ..CholeskySymbolicParams::default()
         };
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Amd, params)
+        let order = match by {
+            EliminationOrder::MinimumDegree => None,
+            EliminationOrder::NestedDissection(places) => Some(nested_dissection(starts, rows, places)),
+        };
+        let inverse = order.as_ref().map(|order| {
+            let mut inverse = vec![0; unknowns];
+            order.iter().enumerate().for_each(|(k, unknown)| inverse[*unknown] = k);
+            inverse
+        });
+        let ordering = match (&order, &inverse) {
+            (Some(order), Some(inverse)) => SymmetricOrdering::Custom(PermRef::new_checked(order, inverse, unknowns)),
+            _ => SymmetricOrdering::Amd,
+        };
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Upper, ordering, params)
             .map_err(|_| HierarchyError::Memory { unknowns })?;
         let factor = vec![0.0; symbolic.len_val()];
         Ok(SparseCholesky {

@@ -5,6 +5,8 @@
 //! ```
 
 mod embedding;
+#[cfg(test)]
+mod gismo_tests;
 mod placed;
 #[cfg(test)]
 mod space_tests;
@@ -89,6 +91,11 @@ impl HierarchicalField {
     pub fn table(&self, leaf: usize) -> &[f64] {
         let count = self.space.local_count();
         &self.tables[leaf * count..(leaf + 1) * count]
+    }
+
+    /// Those of all leaves, one behind the other.
+    pub fn tables(&self) -> &[f64] {
+        &self.tables
     }
 
     /// Height, slopes and second derivatives at `(x, y)`; outside the domain the end polynomials are extended.

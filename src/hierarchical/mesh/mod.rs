@@ -66,6 +66,19 @@ impl Mesh {
         Ok(mesh)
     }
 
+    /// The base grid with the knots of all levels down to this one; nothing is split.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::new`], [`HierarchyError::Depth`], and a segment too short to be halved.
+    pub fn with_levels(base: [Knots; 2], deepest: usize) -> Result<Mesh, HierarchyError> {
+        if deepest > MAX_LEVEL {
+            return Err(HierarchyError::Depth { level: deepest, most: MAX_LEVEL });
+        }
+        let mut mesh = Mesh::new(base)?;
+        mesh.levels.deepen(deepest)?;
+        Ok(mesh)
+    }
+
     /// All cells that are split: what [`Mesh::of_splits`] makes the same hierarchy of.
     pub fn splits(&self) -> impl Iterator<Item = CellId> + '_ {
         (0..self.tree.len()).filter(|number| self.tree.is_split(*number)).map(|number| self.tree.cell(number))

@@ -113,6 +113,19 @@ impl HierarchicalSpace {
         self.functions.len()
     }
 
+    /// The middle of what every function reaches, in base cells.
+    pub fn places(&self) -> Vec<[f64; 2]> {
+        let place = |function: &ActiveFunction| {
+            let level = self.mesh.levels().at(function.level.into());
+            let cells = f64::from(1_u32 << function.level);
+            [0, 1].map(|axis| {
+                let [from, to] = level[axis].reach(function.place[axis] as usize);
+                (f64::from(from) + f64::from(to) + 1.0) / (2.0 * cells)
+            })
+        };
+        self.functions.iter().map(place).collect()
+    }
+
     /// The unsplit cells.
     pub fn leaves(&self) -> &[CellId] {
         &self.leaves

@@ -8,7 +8,7 @@ use crate::report::document::{AdaptivePart, FitPart, RmsPart, SigmaPart};
 use crate::report::shape_part::shape_part;
 use crate::report::subject::{Source, Subject};
 use palpate_fitting::fit::FitError;
-use palpate_geometry::contact::{Contacts, Frame, Orientation};
+use palpate_geometry::contact::Frame;
 use palpate_geometry::surface::Surface;
 use palpate_hierarchical::HierarchyError;
 
@@ -24,7 +24,7 @@ pub(super) fn found<'a>(answer: &'a AdaptiveAnswer, subject: &Subject<'a>) -> Re
     let field = answer.fit.input_field().map_err(rounded)?;
     let shape = &answer.shape;
     Ok(Found {
-        contacts: measured(subject.input),
+        contacts: contacts(answer, subject),
         saved_frame: *answer.fit.frame(),
         frame: Frame::IDENTITY,
         fit: fit_part(answer, subject),
@@ -34,6 +34,15 @@ pub(super) fn found<'a>(answer: &'a AdaptiveAnswer, subject: &Subject<'a>) -> Re
         unsupported: Cow::Borrowed(&[]),
         source: Source::Adaptive { answer, input: subject.input },
     })
+}
+
+/// How many there are, here or elsewhere.
+fn contacts(answer: &AdaptiveAnswer, subject: &Subject) -> usize {
+    let report = answer.fit.report();
+    match subject.input {
+        Input::Contacts(here) if here.is_empty() => report.counted + report.outliers.len(),
+        input => measured(input),
+    }
 }
 
 /// Rounding of the input's own coordinates is all that can go wrong.
@@ -48,7 +57,7 @@ fn fit_part(answer: &AdaptiveAnswer, subject: &Subject) -> FitPart {
     let (fit, report) = (&answer.fit, answer.fit.report());
     let mesh = fit.field().space().mesh();
     let base = mesh.levels().at(0).map(|level| level.knots());
-    let normals = matches!(subject.input, Input::Contacts(Contacts { orientation: Orientation::Normals { .. }, .. }));
+    let normals = report.normals;
     let slopes = fit.slope_noise();
     let rows = if slopes.is_some() { 3 } else { 1 };
     FitPart {
