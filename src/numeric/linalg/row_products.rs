@@ -119,7 +119,7 @@ pub fn descent(sites: &impl Sites, row_weights: &RowWeights, targets: &Targets, 
 /// Adds `E'E` to `out`, cell by cell. The rank-one updates go into a dense matrix of the cell, which is added to `out` once.
 pub fn assemble(sites: &impl Sites, row_weights: &RowWeights, out: &mut StencilMatrix) {
     let shape = sites.shape();
-    count(sites, (shape.local() + 1) / 2);
+    count(sites, shape.local().div_ceil(2));
     if let (Some(axes), RowWeights::PerSite(weights)) = (sites.grid_axes(), row_weights)
         && weights.iter().all(|w| w.b == 0.0)
     {
