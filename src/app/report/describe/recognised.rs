@@ -17,7 +17,7 @@ use crate::report::surface_maps::{Maps, ShownGrid};
 use crate::report::uncertainty;
 use palpate_fitting::fit::FitError;
 use palpate_geometry::contact::{Contacts, Frame, Grid, counted};
-use palpate_geometry::shape::{PointSds, parametric_maps_at, uv_grid};
+use palpate_geometry::shape::{ParametricMaps, PointSds, ShapeMaps, parametric_maps_at, uv_grid};
 use palpate_inference::recognition::{MapPoint, NormalsUse, Pointwise, RecognisedSpline, Recognition};
 use palpate_world::scene::Truth;
 
@@ -69,14 +69,21 @@ pub(in crate::report) fn maps(found: &Recognition, surface: &AnySurface, points:
     match (surface, own) {
         (AnySurface::Parametric(surface, _), Some(own)) => {
             let grid = uv_grid(surface.knots().each_ref(), points, 0.0);
-            Maps::Parametric(Cow::Owned(parametric_maps_at(surface, grid, &own)))
+            let mut maps = parametric_maps_at(surface, grid, &own);
+            let ParametricMaps { k1, k2, shape_index, curvedness, .. } = &mut maps;
+            as_recognised(found, [k1, k2, shape_index, curvedness]);
+            Maps::Parametric(Cow::Owned(maps))
         }
         (_, own) => {
             let mut maps = Maps::over(surface, shown, &[]);
             if let Maps::Height(maps) = &mut maps {
                 let maps = maps.to_mut();
                 match own {
-                    Some(own) => maps.supported = own,
+                    Some(own) => {
+                        maps.supported = own;
+                        let ShapeMaps { k1, k2, shape_index, curvedness, .. } = maps;
+                        as_recognised(found, [k1, k2, shape_index, curvedness]);
+                    }
                     None => {
                         let held = Array2::from_shape_fn(maps.supported.dim(), |(i, j)| {
                             supports(found, [maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z])
@@ -87,6 +94,20 @@ pub(in crate::report) fn maps(found: &Recognition, surface: &AnySurface, points:
                 }
             }
             maps
+        }
+    }
+}
+
+/// Puts the recognition's own k1, k2, S and R in the place of its spline's, where contacts support them: a spline through the surface
+/// bends a little otherwise.
+fn as_recognised(found: &Recognition, mut maps: [&mut Array2<f64>; 4]) {
+    let [_, m] = found.grid;
+    for (number, here) in found.map.iter().enumerate().filter(|(_, here)| here.supported) {
+        let own = [here.k1, here.k2, here.shape_index.unwrap_or(f64::NAN), here.curvedness];
+        for (map, value) in maps.iter_mut().zip(own) {
+            if let Some(place) = map.get_mut((number / m, number % m)) {
+                *place = value;
+            }
         }
     }
 }
