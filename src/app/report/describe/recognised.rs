@@ -17,7 +17,7 @@ use crate::report::surface_maps::{Maps, ShownGrid};
 use crate::report::uncertainty;
 use palpate_fitting::fit::FitError;
 use palpate_geometry::contact::{Contacts, Frame, Grid, counted};
-use palpate_geometry::shape::{ParametricMaps, PointSds, ShapeMaps, parametric_maps_at, uv_grid};
+use palpate_geometry::shape::{PointSds, parametric_maps_at, uv_grid};
 use palpate_inference::recognition::{MapPoint, NormalsUse, Pointwise, RecognisedSpline, Recognition};
 use palpate_world::scene::Truth;
 
@@ -70,8 +70,11 @@ pub(in crate::report) fn maps(found: &Recognition, surface: &AnySurface, points:
         (AnySurface::Parametric(surface, _), Some(own)) => {
             let grid = uv_grid(surface.knots().each_ref(), points, 0.0);
             let mut maps = parametric_maps_at(surface, grid, &own);
-            let ParametricMaps { k1, k2, shape_index, curvedness, .. } = &mut maps;
-            as_recognised(found, [k1, k2, shape_index, curvedness]);
+            as_recognised(found, |at, here| {
+                (maps.points[at], maps.normals[at]) = (here.position, here.normal);
+                (maps.k1[at], maps.k2[at]) = (here.k1, here.k2);
+                (maps.shape_index[at], maps.curvedness[at]) = (here.shape_index.unwrap_or(f64::NAN), here.curvedness);
+            });
             Maps::Parametric(Cow::Owned(maps))
         }
         (_, own) => {
@@ -81,8 +84,12 @@ pub(in crate::report) fn maps(found: &Recognition, surface: &AnySurface, points:
                 match own {
                     Some(own) => {
                         maps.supported = own;
-                        let ShapeMaps { k1, k2, shape_index, curvedness, .. } = maps;
-                        as_recognised(found, [k1, k2, shape_index, curvedness]);
+                        as_recognised(found, |at, here| {
+                            maps.points[at].z = here.position[2];
+                            (maps.k1[at], maps.k2[at]) = (here.k1, here.k2);
+                            let s = here.shape_index.unwrap_or(f64::NAN);
+                            (maps.shape_index[at], maps.curvedness[at]) = (s, here.curvedness);
+                        });
                     }
                     None => {
                         let held = Array2::from_shape_fn(maps.supported.dim(), |(i, j)| {
@@ -98,18 +105,12 @@ pub(in crate::report) fn maps(found: &Recognition, surface: &AnySurface, points:
     }
 }
 
-/// Puts the recognition's own k1, k2, S and R in the place of its spline's, where contacts support them: a spline through the surface
-/// bends a little otherwise.
-fn as_recognised(found: &Recognition, mut maps: [&mut Array2<f64>; 4]) {
+/// Puts the recognition's own places and curvatures in the place of its spline's, where contacts support them: a spline through the
+/// surface bends a little otherwise, and through a body that closes on itself by more than noise.
+fn as_recognised(found: &Recognition, mut put: impl FnMut([usize; 2], &MapPoint)) {
     let [_, m] = found.grid;
-    for (number, here) in found.map.iter().enumerate().filter(|(_, here)| here.supported) {
-        let own = [here.k1, here.k2, here.shape_index.unwrap_or(f64::NAN), here.curvedness];
-        for (map, value) in maps.iter_mut().zip(own) {
-            if let Some(place) = map.get_mut((number / m, number % m)) {
-                *place = value;
-            }
-        }
-    }
+    let supported = found.map.iter().enumerate().filter(|(_, here)| here.supported);
+    supported.for_each(|(number, here)| put([number / m, number % m], here));
 }
 
 /// Whether contacts surround the recognised surface next to a place.
