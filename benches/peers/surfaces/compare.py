@@ -23,9 +23,9 @@ import fitters
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
-KINDS = {"normals": [(27, seed) for seed in range(1, 7)] + [(64, seed) for seed in range(1, 7)],
-         "positions": [(800, seed) for seed in range(1, 5)],
-         "pixels": [(4096, seed) for seed in range(1, 4)]}
+KINDS = {"normals": [(27, seed) for seed in range(1, 5)] + [(64, seed) for seed in range(1, 5)],
+         "positions": [(800, seed) for seed in range(1, 4)],
+         "pixels": [(4096, seed) for seed in range(1, 3)]}
 
 
 def asked(program, name, kind, count, seed):
