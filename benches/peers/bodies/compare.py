@@ -1,4 +1,4 @@
-"""Whole bodies of no primitive, touched 50, 150 and 500 times: palpate as it comes beside a gaussian-process implicit surface.
+"""Whole bodies of no primitive, touched 50 and 150 times (500 by --counts): palpate as it comes beside a gaussian-process implicit surface.
 
     python benches/peers/bodies/compare.py [--palpate target/release/palpate] [--only banana,pear] [--counts 50,150] [--record benches/runs]
 
@@ -102,7 +102,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--palpate", default=os.path.join(ROOT, "target/release/palpate"))
     parser.add_argument("--only", default=",".join(bodies.BODIES))
-    parser.add_argument("--counts", default="50,150,500")
+    parser.add_argument("--counts", default="50,150")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--record", help="directory that takes bodies.md")
@@ -124,7 +124,7 @@ def main():
         spec = spec_from_file_location("surfaces_compare", os.path.join(os.path.dirname(HERE), "surfaces", "compare.py"))
         about = module_from_spec(spec)
         spec.loader.exec_module(about)
-        head = ["# Whole bodies of no primitive", "", "`python benches/peers/bodies/compare.py --record benches/runs`", ""]
+        head = ["# Whole bodies of no primitive", "", f"`python benches/peers/bodies/compare.py --counts {options.counts} --record benches/runs`", ""]
         facts = [f"{k}: {v}  " for k, v in about.about().items()] + [""]
         with open(os.path.join(options.record, "bodies.md"), "w") as out:
             out.write("\n".join(head + facts + words + [""] + lines) + "\n")

@@ -32,7 +32,7 @@ use palpate_numeric::linalg;
 use super::rotational_process;
 
 /// Lengths of the kernel, half sides of the chart's box. Without the shortest, S of bumps at the points of a map misses by a third more, and
-/// the mean S of 27 contacts is inside in 60 instead of 87 of 100 fits (`benches/runs/surfaces.md`); with 4 nothing changes.
+/// the mean S of 27 contacts is inside in 60 instead of 87 of 100 fits (`surfaces/coverage.py --seeds 30`); with 4 nothing changes.
 const LENGTHS: [f64; 3] = [0.5, 1.0, 2.0];
 
 /// Share of the largest variance below which a direction of the process is left out: at the sizes that are tried, rounding.
