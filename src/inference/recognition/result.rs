@@ -226,6 +226,10 @@ pub struct MapPoint {
     pub u_shape_index: f64,
     /// Standard uncertainty of the curvedness.
     pub u_curvedness: f64,
+    /// Standard uncertainty of the position along the normal.
+    pub u_position: f64,
+    /// Root mean square angle of the normal, radians.
+    pub u_normal: f64,
 }
 
 /// The answer of [`Recognition::of`].

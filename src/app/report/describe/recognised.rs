@@ -69,14 +69,28 @@ pub(in crate::report) fn maps(found: &Recognition, surface: &AnySurface, points:
     match (surface, own) {
         (AnySurface::Parametric(surface, _), Some(own)) => {
             let grid = uv_grid(surface.knots().each_ref(), points, 0.0);
-            Maps::Parametric(Cow::Owned(parametric_maps_at(surface, grid, &own)))
+            let mut maps = parametric_maps_at(surface, grid, &own);
+            as_recognised(found, |at, here| {
+                (maps.points[at], maps.normals[at]) = (here.position, here.normal);
+                (maps.k1[at], maps.k2[at]) = (here.k1, here.k2);
+                (maps.shape_index[at], maps.curvedness[at]) = (here.shape_index.unwrap_or(f64::NAN), here.curvedness);
+            });
+            Maps::Parametric(Cow::Owned(maps))
         }
         (_, own) => {
             let mut maps = Maps::over(surface, shown, &[]);
             if let Maps::Height(maps) = &mut maps {
                 let maps = maps.to_mut();
                 match own {
-                    Some(own) => maps.supported = own,
+                    Some(own) => {
+                        maps.supported = own;
+                        as_recognised(found, |at, here| {
+                            maps.points[at].z = here.position[2];
+                            (maps.k1[at], maps.k2[at]) = (here.k1, here.k2);
+                            let s = here.shape_index.unwrap_or(f64::NAN);
+                            (maps.shape_index[at], maps.curvedness[at]) = (s, here.curvedness);
+                        });
+                    }
                     None => {
                         let held = Array2::from_shape_fn(maps.supported.dim(), |(i, j)| {
                             supports(found, [maps.grid.x[i], maps.grid.y[j], maps.points[[i, j]].z])
@@ -89,6 +103,14 @@ pub(in crate::report) fn maps(found: &Recognition, surface: &AnySurface, points:
             maps
         }
     }
+}
+
+/// Puts the recognition's own places and curvatures in the place of its spline's, where contacts support them: a spline through the
+/// surface bends a little otherwise, and through a body that closes on itself by more than noise.
+fn as_recognised(found: &Recognition, mut put: impl FnMut([usize; 2], &MapPoint)) {
+    let [_, m] = found.grid;
+    let supported = found.map.iter().enumerate().filter(|(_, here)| here.supported);
+    supported.for_each(|(number, here)| put([number / m, number % m], here));
 }
 
 /// Whether contacts surround the recognised surface next to a place.

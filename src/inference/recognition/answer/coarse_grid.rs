@@ -28,19 +28,19 @@ impl CoarseGrid {
         rows.iter().flat_map(|i| columns.iter().map(move |j| i * self.columns + j)).collect()
     }
 
-    /// A pair of values at point `number` of the map, from those at the chosen points.
-    pub(super) fn between(&self, chosen: &[[f64; 2]], number: usize) -> [f64; 2] {
+    /// Values at point `number` of the map, from those at the chosen points.
+    pub(super) fn between<const N: usize>(&self, chosen: &[[f64; N]], number: usize) -> [f64; N] {
         let [(i, s), (j, t)] = [(0, number / self.columns), (1, number % self.columns)].map(|(k, at)| self.cell(k, at));
         let width = self.lines[1].len();
         let at = |i: usize, j: usize| {
             let [i, j] = [i.min(self.lines[0].len() - 1), j.min(width - 1)];
-            chosen.get(i * width + j).copied().unwrap_or([0.0; 2])
+            chosen.get(i * width + j).copied().unwrap_or([0.0; N])
         };
         let corners = [(at(i, j), (1.0 - s) * (1.0 - t)), (at(i, j + 1), (1.0 - s) * t), (at(i + 1, j), s * (1.0 - t))];
         let last = (at(i + 1, j + 1), s * t);
         // a corner without a share says nothing, not even that it is no number
         let shares = corners.into_iter().chain([last]).filter(|(_, share)| *share > 0.0);
-        shares.fold([0.0; 2], |sum, (value, share)| [0, 1].map(|k| sum[k] + share * value[k]))
+        shares.fold([0.0; N], |sum, (value, share)| std::array::from_fn(|k| sum[k] + share * value[k]))
     }
 
     /// The chosen line at or before line `at`, and how far `at` lies towards the next, 0 to 1.

@@ -29,7 +29,7 @@ use crate::dense;
 use crate::recognition::discrepancy::{ChartPoint, State};
 use crate::recognition::evidence::{Evidence, Node};
 use crate::recognition::kinds::Kind;
-use crate::recognition::region::{PredictiveDraw, measured, predicted};
+use crate::recognition::region::{Place, PredictiveDraw, measured, predicted};
 use crate::recognition::{Estimate, RecognitionOptions};
 use palpate_geometry::curvature::ShapeClass;
 use palpate_numeric::draws::EffectDraws;
@@ -68,8 +68,8 @@ pub(super) struct Summary {
     pub(super) k2: f64,
     /// Shares of the classes, plane included, in the order of [`ShapeClass::CURVED`] and then plane.
     pub(super) classes: Vec<(ShapeClass, f64)>,
-    /// Standard uncertainty of S and of R at every point asked for.
-    pub(super) u: Vec<[f64; 2]>,
+    /// Standard uncertainty of S, of R, of the place along the normal and of the normal (radians) at every point asked for.
+    pub(super) u: Vec<[f64; 4]>,
     /// The surface that is reported.
     pub(super) surface: State,
     /// Within how many degrees of the reported ones the directions of k1 and k2 lie, at the level of the intervals.
@@ -183,6 +183,7 @@ fn all_drawn(
     nodes: &[Node],
     weights: &Weights,
     points: &Points,
+    reference: &[Place],
     seed: u64,
     hidden: f64,
 ) -> Vec<Drawn> {
@@ -204,6 +205,7 @@ fn all_drawn(
         let likeliest = points.field(&likeliest);
         let asked = if points.touched.is_empty() { 0 } else { predicted(states.len()) };
         let touches = states[..asked].iter().map(|state| measured(state, points.touched)).collect();
+        let over_map = states[..predicted(states.len())].iter().map(|state| measured(state, reference)).collect();
         Some(Drawn {
             kind: node.kind,
             displaced: node.is_displaced() && !node.is_body(),
@@ -219,6 +221,7 @@ fn all_drawn(
             }),
             draws,
             touches,
+            over_map,
         })
     });
     found.into_iter().flatten().collect()
@@ -235,7 +238,8 @@ pub(super) fn summary(
 ) -> Option<Summary> {
     let state = likeliest(evidence, reported)?;
     let hidden = if weights.displacement_is_error() { weights.size * points.field(&state).r } else { 0.0 };
-    let found = all_drawn(evidence, nodes, weights, points, options.seed, hidden);
+    let reference: Vec<Place> = points.map.iter().map(|point| Place::on(&state, point.clone())).collect();
+    let found = all_drawn(evidence, nodes, weights, points, &reference, options.seed, hidden);
     let surface = nearest_to_means(evidence, reported, state, &found, points);
     let (own, variation) = (points.field(&surface), points.variation(&surface));
     let noise = noise_alone(evidence, nodes, reported, points, options.seed);

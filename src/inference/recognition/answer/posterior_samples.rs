@@ -35,6 +35,8 @@ pub(super) struct Drawn {
     pub(super) draws: Vec<Field>,
     /// What touches would measure on the first of the draws.
     pub(super) touches: Vec<Vec<[f64; 3]>>,
+    /// Height over the reported surface and two slopes against it at every point of the map, of the first of the draws.
+    pub(super) over_map: Vec<Vec<[f64; 3]>>,
 }
 
 /// Which draws count half as they are and half mirrored at the likeliest value of their node.
@@ -155,8 +157,18 @@ pub(super) fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
     out
 }
 
-/// Standard deviations of S and R at every point over all draws.
-pub(super) fn pointwise(found: &[Drawn], points: usize) -> Vec<[f64; 2]> {
+/// Standard deviations of S and R at every point over all draws, and root mean squares of their heights over the reported surface and of
+/// their angles to it.
+pub(super) fn pointwise(found: &[Drawn], points: usize) -> Vec<[f64; 4]> {
+    let rms = |i: usize, of: fn(&[f64; 3]) -> f64| {
+        let (mut all, mut squares) = (0.0, 0.0);
+        for drawn in found {
+            let share = drawn.weights[1] / drawn.over_map.len().max(1) as f64;
+            let known = drawn.over_map.iter().map(|draw| of(&draw[i])).filter(|square| square.is_finite());
+            known.for_each(|square| (all, squares) = (all + share, squares + share * square));
+        }
+        if all > 0.0 { (squares / all).sqrt() } else { 0.0 }
+    };
     let sd = |i: usize, k: usize| {
         let (mut all, mut sum, mut squares) = (0.0, 0.0, 0.0);
         // about the first value, so that the squares do not cancel
@@ -170,5 +182,7 @@ pub(super) fn pointwise(found: &[Drawn], points: usize) -> Vec<[f64; 2]> {
         }
         if all > 0.0 { (squares / all - (sum / all).powi(2)).max(0.0).sqrt() } else { 0.0 }
     };
-    (0..points).map(|i| [sd(i, 0), sd(i, 1)]).collect()
+    let height = |touch: &[f64; 3]| touch[0] * touch[0];
+    let angle = |touch: &[f64; 3]| touch[1] * touch[1] + touch[2] * touch[2];
+    (0..points).map(|i| [sd(i, 0), sd(i, 1), rms(i, height), rms(i, angle)]).collect()
 }

@@ -221,6 +221,8 @@ impl Findings<'_> {
                 supported: supported[i],
                 u_shape_index: u[0],
                 u_curvedness: u[1] / scale,
+                u_position: u[2] * scale,
+                u_normal: u[3],
             }
         };
         points.iter().enumerate().map(one).collect()

@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! S, R               standard deviations over the drawn surfaces, between the points of the map
-//! position, normal   a quadratic height over the chart, fitted to the contacts that belong to the surface:
+//! position, normal   the same, or those of a quadratic height over the chart, where these are larger:
 //!                    u^2 = s^2 f'(X'X)^-1 f,   f = (1, u, v, u^2, u v, v^2),   s^2 = (sd^2 + shared sd^2) N / N_eff
 //! ```
 //!
-//! The draws tell of curvatures and not of heights. A quadratic over the chart has all that a recognised surface may do near
-//! its own shape; a plane or a sphere would leave it less. N_eff contacts with independent errors would tell the mean height
+//! A quadratic over the chart, fitted to the contacts that belong to the surface, has all that a recognised surface may do near
+//! its own shape; a plane or a sphere would leave it less, and a displaced surface moves by more. N_eff contacts with independent errors would tell the mean height
 //! as well as all N do, so that shared errors count. Normals are not counted, which makes both larger than they need be.
 
 use crate::dense;
@@ -77,15 +77,20 @@ impl<'a> Pointwise<'a> {
         }
         let chart = self.found.surface.chart_of(place);
         let local = [0, 1].map(|k| (chart[k] - self.middle[k]) / self.half[k]);
-        let [shape_index, curvedness] = self.shape_at(self.found.share_of_map(place));
+        let [shape_index, curvedness, position, normal] = self.drawn_at(self.found.share_of_map(place));
         let curved = self.found.shape_index.is_some();
         let sds = point_sds(self, local).filter(|sds| sds.position.is_finite())?.scaled(self.found.surface.frame.scale);
         // those of the map are in the input's unit already
-        Some(PointSds { shape_index: shape_index.filter(|_| curved).map(|u| u.min(1.0)), curvedness, ..sds })
+        Some(PointSds {
+            position: position.map_or(sds.position, |drawn| sds.position.max(drawn)),
+            normal: normal.map_or(sds.normal, |drawn| sds.normal.max(drawn)).min(std::f64::consts::PI),
+            shape_index: shape_index.filter(|_| curved).map(|u| u.min(1.0)),
+            curvedness,
+        })
     }
 
-    /// Those of S and R between the four nearest points of the map.
-    fn shape_at(&self, share: [f64; 2]) -> [Option<f64>; 2] {
+    /// What the draws say of S, R, position and normal between the four nearest points of the map.
+    fn drawn_at(&self, share: [f64; 2]) -> [Option<f64>; 4] {
         let [n, m] = self.found.grid;
         let cell = |k: usize, count: usize| {
             let t = share[k].clamp(0.0, 1.0) * count.saturating_sub(1) as f64;
@@ -98,7 +103,7 @@ impl<'a> Pointwise<'a> {
             let between = |i: usize| Some((1.0 - t) * pick(at(i, j)?) + t * pick(at(i, j + 1)?));
             Some((1.0 - s) * between(i)? + s * between(i + 1)?).filter(|u| u.is_finite())
         };
-        [value(|p| p.u_shape_index), value(|p| p.u_curvedness)]
+        [value(|p| p.u_shape_index), value(|p| p.u_curvedness), value(|p| p.u_position), value(|p| p.u_normal)]
     }
 }
 

@@ -39,6 +39,16 @@ pub struct PredictiveDraw {
     pub touches: Vec<[f64; 3]>,
 }
 
+impl Place {
+    /// Where this surface lies at a chart point.
+    pub(crate) fn on(state: &State, point: ChartPoint) -> Place {
+        let (foot, normal) = state.place_and_normal(&point);
+        let across = if normal[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+        let first = unit(cross(normal, across));
+        Place { point, foot, normal, tangents: [first, cross(normal, first)] }
+    }
+}
+
 impl PredictiveDraw {
     /// From the patch's unit of length to the input's.
     pub(crate) fn scaled(self, scale: f64) -> PredictiveDraw {
@@ -54,16 +64,14 @@ pub(crate) fn predicted(draws: usize) -> usize {
 
 /// The reported surface at places of the input's x and y.
 pub(crate) fn places(surface: &PatchSurface, asked: &[[f64; 2]]) -> Vec<Place> {
-    let place = |(point, _): (ChartPoint, bool)| {
-        let (foot, normal) = surface.state.place_and_normal(&point);
-        let across = if normal[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-        let first = unit(cross(normal, across));
-        Place { point, foot, normal, tangents: [first, cross(normal, first)] }
-    };
     if asked.is_empty() {
         return Vec::new();
     }
-    LookedAt::new(surface).at_places(surface, asked).into_iter().map(place).collect()
+    LookedAt::new(surface)
+        .at_places(surface, asked)
+        .into_iter()
+        .map(|(point, _)| Place::on(&surface.state, point))
+        .collect()
 }
 
 /// What touches at these places would measure on a surface, in the patch's unit of length.

@@ -2,8 +2,10 @@
 
 use palpate_geometry::contact::Frame;
 
+use super::projected_grid::LookedAt;
 use super::surface::PatchSurface;
 use crate::bodies::BodyChart;
+use crate::recognition::discrepancy::ChartPoint;
 
 /// The surface that was recognised, of whichever kind, in the input's coordinates.
 #[derive(Clone, Debug)]
@@ -59,6 +61,17 @@ impl RecognisedSurface {
             SurfaceForm::Patch(patch) => patch.curvatures_at(u, v),
             SurfaceForm::Body(body) => body.curvatures_at(u, v),
         }
+    }
+
+    /// Points of the surface over an even grid of the input's x and y, `None` where it does not reach, with their unit normals, and
+    /// whether contacts surround them; y runs fastest.
+    pub(crate) fn over(&self, over: [[f64; 2]; 2], points: [usize; 2]) -> Vec<(Option<[f64; 3]>, [f64; 3], bool)> {
+        let SurfaceForm::Patch(patch) = &self.form else { return Vec::new() };
+        let one = |(here, reached): (ChartPoint, bool)| {
+            let (place, normal) = patch.place_and_normal(&here);
+            (reached.then_some(place), normal, reached && patch.holds(&here))
+        };
+        LookedAt::new(patch).product(patch, over, points).into_iter().map(one).collect()
     }
 
     /// Whether contacts surround the surface at chart coordinates.

@@ -42,7 +42,7 @@ fn point_of(chart: &BodyChart, u: f64, v: f64, supported: bool) -> (MapPoint, Ve
     let (position, normal) = chart.at(u, v);
     let [k1, k2] = chart.curvatures_at(u, v).unwrap_or([f64::NAN; 2]);
     let readings = chart.readings_at(position);
-    let [_, _, u_shape_index, u_curvedness] = chart.sds_of(&readings);
+    let [u_position, u_normal, u_shape_index, u_curvedness] = chart.sds_of(&readings);
     let point = MapPoint {
         position,
         normal,
@@ -53,6 +53,8 @@ fn point_of(chart: &BodyChart, u: f64, v: f64, supported: bool) -> (MapPoint, Ve
         supported,
         u_shape_index,
         u_curvedness,
+        u_position,
+        u_normal,
     };
     (point, readings)
 }
