@@ -13,10 +13,11 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 const CRATES: [&str; 8] = ["numeric", "geometry", "world", "fitting", "hierarchical", "inference", "studies", "app"];
 
 /// Floor of every room inside its crate; siblings on one floor do not import each other.
-const FLOORS: [(&str, u8); 40] = [
+const FLOORS: [(&str, u8); 41] = [
     ("simd", 0),
     ("threads", 0),
     ("vector", 0),
+    ("work", 0),
     ("error", 0),
     ("statistics", 1),
     ("levenberg_marquardt", 1),

@@ -16,14 +16,14 @@ use crate::report::BesidePart;
 use super::failure::Failure;
 
 #[derive(Deserialize)]
-struct File {
-    points: Vec<Record>,
+struct BesideFile {
+    points: Vec<BesideRecord>,
 }
 
 /// What is read of a point; other keys may stand beside these.
 #[derive(Deserialize)]
 #[allow(non_snake_case, reason = "keys of the document")]
-struct Record {
+struct BesideRecord {
     program: String,
     label: String,
     case: Option<String>,
@@ -31,12 +31,12 @@ struct Record {
     error: Option<f64>,
     error_S: Option<f64>,
     error_R: Option<f64>,
-    seconds: Option<Seconds>,
+    seconds: Option<BesideTime>,
     failed: Option<String>,
 }
 
 #[derive(Deserialize)]
-struct Seconds {
+struct BesideTime {
     median: f64,
     least: Option<f64>,
 }
@@ -45,10 +45,11 @@ struct Seconds {
 pub(super) fn beside(file: &Path, subject: &str, name: &str) -> Result<Vec<BesidePart>, Failure> {
     let wrong = |what: String| Failure::Input(format!("--beside {}: {what}", file.display()));
     let text = std::fs::read_to_string(file).map_err(|error| wrong(error.to_string()))?;
-    let read: File = serde_json::from_str(&text)
+    let read: BesideFile = serde_json::from_str(&text)
         .map_err(|error| wrong(format!("{error}; it takes a document like frontier.json, with a list of points")))?;
     let stem = Path::new(subject).file_stem().map_or(subject, |stem| stem.to_str().unwrap_or(subject));
-    let is_of = |record: &&Record| record.case.as_deref().is_none_or(|case| [subject, stem, name].contains(&case));
+    let is_of =
+        |record: &&BesideRecord| record.case.as_deref().is_none_or(|case| [subject, stem, name].contains(&case));
     let found: Vec<BesidePart> = read.points.iter().filter(is_of).filter_map(part).collect();
     if found.is_empty() {
         let mut cases: Vec<&str> = read.points.iter().filter_map(|record| record.case.as_deref()).collect();
@@ -62,7 +63,7 @@ pub(super) fn beside(file: &Path, subject: &str, name: &str) -> Result<Vec<Besid
 }
 
 /// A point that has an answer, an error and a time; ways to solve equations and to intervals have errors of another kind.
-fn part(record: &Record) -> Option<BesidePart> {
+fn part(record: &BesideRecord) -> Option<BesidePart> {
     let seconds = record.seconds.as_ref().map(|seconds| seconds.least.unwrap_or(seconds.median))?;
     let error =
         record.error.filter(|error| error.is_finite() && *error >= 0.0 && seconds.is_finite() && seconds > 0.0)?;

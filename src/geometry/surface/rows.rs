@@ -9,6 +9,7 @@ use std::sync::Mutex;
 use super::HeightField;
 use palpate_numeric::bspline::Knots;
 use palpate_numeric::simd::{Isa, PATCH_POINTS, RowPieces, RowScratch, curvature_row, derivative_row, patch_maps};
+use palpate_numeric::work;
 
 /// A grid of points prepared for one pair of knot vectors; coefficients may change from call to call.
 ///
@@ -96,6 +97,7 @@ impl CurvatureGrid {
         for (i, &first) in self.first.iter().enumerate() {
             let basis = self.basis.each_ref().map(|table| &table[i * self.width..(i + 1) * self.width]);
             let lines = &coefficients[first * self.columns..];
+            work::add(self.pieces.multiply_adds(basis[0].len()));
             derivative_row(isa, &self.pieces, basis, lines, &mut scratch, out.each_mut().map(|column| &mut column[..]));
             row(i, out.each_ref().map(|column| &column[..]));
         }
@@ -150,6 +152,7 @@ impl CurvatureGrid {
             let values = (from + k) * self.width..(from + k + 1) * self.width;
             let basis = self.basis.each_ref().map(|table| &table[values.clone()]);
             let lines = &c[self.first[from + k] * self.columns..];
+            work::add(self.pieces.multiply_adds(basis[0].len()));
             curvature_row(isa, &self.pieces, basis, lines, &mut scratch, s, r);
         }
         self.put_scratch(scratch);

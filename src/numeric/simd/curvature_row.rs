@@ -14,7 +14,6 @@ use std::ops::Range;
 use super::lanes::Lanes;
 use super::shape_maps::ShapeBatch;
 use super::{Isa, dispatch};
-use crate::work;
 
 /// Points whose S and R are computed together. Their 6 KiB leave room in the first-level cache for the row's curves; a
 /// longer batch would not.
@@ -90,7 +89,7 @@ impl RowPieces {
     }
 
     /// Multiply-adds of a row: three curves along y of so many rows of coefficients, and six derivatives at every point.
-    fn multiply_adds(&self, rows: usize) -> usize {
+    pub fn multiply_adds(&self, rows: usize) -> usize {
         3 * rows * self.n_basis + 6 * (self.degree + 1) * self.len()
     }
 
@@ -356,7 +355,6 @@ pub fn curvature_row(
     curvedness: &mut [f64],
 ) {
     scratch.make_room(row);
-    work::add(row.multiply_adds(basis[0].len()));
     dispatch!(isa, shape [](
         row: &RowPieces, basis: [&[f64]; 3], rows: &[f64], scratch: &mut RowScratch,
         shape_index: &mut [f64], curvedness: &mut [f64]));
@@ -375,7 +373,6 @@ pub fn derivative_row(
     out: [&mut [f64]; 6],
 ) {
     scratch.make_room(row);
-    work::add(row.multiply_adds(basis[0].len()));
     dispatch!(isa, derive [](
         row: &RowPieces, basis: [&[f64]; 3], rows: &[f64], scratch: &mut RowScratch, out: [&mut [f64]; 6]));
 }

@@ -1,7 +1,7 @@
 //! A smooth displacement f along the normal of the general surface: how the shape departs from two constant curvatures.
 //!
 //! ```text
-//! f(u, v) = sum_ij c_ij N_i(u) N_j(v)        degree 4, 8 x 8 segments over the chart, 144 coefficients
+//! f(u, v) = sum_ij c_ij N_i(u) N_j(v)        degree 4, 5 x 5 segments over the chart, 81 coefficients
 //! prior of f:  exp(-1/(2 g s^2) sum_k binom(3, k) int (D_u^k D_v^(3-k) f)^2)
 //! ```
 //!
@@ -30,9 +30,8 @@ use super::{polynomial_prior, smooth};
 use palpate_numeric::vector::Vector;
 
 /// Segments each way. Three are too few for a sum of bumps that is touched with little noise: what they cannot follow is
-/// then taken for shared errors. Five miss R of a wave of one and a third lengths by two thirds more than eight, which take half as long
-/// again.
-const SEGMENTS: usize = 8;
+/// then taken for shared errors. Five take twice the time.
+const SEGMENTS: usize = 5;
 
 /// Order of the derivatives that are penalised.
 const ORDER: usize = 3;
@@ -58,7 +57,7 @@ const MARGIN: f64 = 0.02;
 #[derive(Clone, Debug)]
 pub(crate) struct Displacement {
     knots: [Knots; 2],
-    /// 144 x columns.
+    /// 81 x columns.
     to_coefficients: Mat<f64>,
     /// Number of columns with the prior above.
     pub(crate) rough: usize,

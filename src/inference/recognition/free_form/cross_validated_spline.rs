@@ -7,8 +7,6 @@
 //! error(s)     root mean square of z - S_s(x, y) over the left-out contacts, S_s fitted to the others with s segments
 //! s            the smallest whose error is within 5 % of the least: along the longer side, and as many of that length along
 //!              the shorter
-//! answer       at least 6 segments of degree 4, whose third derivatives cost what restricted maximum likelihood says; S_s where contacts
-//!              are few
 //! ```
 //!
 //! x, y and z are along axes that the caller gives, and z is measured across the patch.
@@ -19,7 +17,7 @@
 //! follows errors alone predicts none.
 
 use crate::recognition::start::thinned;
-use palpate_fitting::fit::{Fit, FitError, FitOptions, Smooth, fit_contacts, fit_contacts_over};
+use palpate_fitting::fit::{Fit, FitError, FitOptions, fit_contacts, fit_contacts_over};
 use palpate_geometry::contact::{Contacts, Frame, Orientation};
 use palpate_numeric::draws::evenly;
 use palpate_numeric::vector::Vector;
@@ -33,12 +31,6 @@ const SEGMENTS: [usize; 7] = [1, 2, 4, 8, 12, 16, 24];
 
 /// Degree of the height field: its curvature is continuous.
 const DEGREE: usize = 3;
-
-/// The field that is the answer has at least so many segments, of this degree, and pays for third derivatives: without a price S and R of a
-/// face that bends to its edges miss by half as much again (`benches/runs/surfaces.md`). It takes so many contacts for every unknown.
-const SMOOTHED_SEGMENTS: usize = 6;
-const SMOOTHED_DEGREE: usize = 4;
-const PER_SMOOTHED_UNKNOWN: usize = 2;
 
 /// A coarser field is taken when it predicts as well up to this factor.
 const AS_GOOD: f64 = 1.05;
@@ -93,23 +85,13 @@ pub fn flexible(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) ->
     }
     let least = tried.iter().map(|t| t.1).min_by(f64::total_cmp)?;
     let &(segments, error) = tried.iter().find(|t| t.1 <= AS_GOOD * least)?;
+    let mut options = options.clone();
+    (options.degree, options.segments) = ([DEGREE; 2], segments);
     // a height field cannot take normals that point down; the positions are then fitted without normals
-    let over = |options: FitOptions| {
-        fit_contacts_over(contacts, axes, &options).or_else(|_| {
-            fit_contacts_over(&Contacts { orientation: Orientation::None, ..contacts.clone() }, axes, &options)
-        })
-    };
-    let plain = || over(FitOptions { degree: [DEGREE; 2], segments, ..options.clone() });
-    let fit = smoothed(contacts.len(), segments, options).and_then(|options| over(options).ok()).map_or_else(plain, Ok);
+    let fit = fit_contacts_over(contacts, axes, &options).or_else(|_| {
+        fit_contacts_over(&Contacts { orientation: Orientation::None, ..contacts.clone() }, axes, &options)
+    });
     Some(fit.map(|fit| Flexible { fit, tried, error, relief }))
-}
-
-/// A field with finer cells, whose roughness costs what the contacts ask for; `None` where they are too few to tell.
-fn smoothed(contacts: usize, segments: [usize; 2], options: &FitOptions) -> Option<FitOptions> {
-    let segments = segments.map(|n| n.max(SMOOTHED_SEGMENTS));
-    let unknowns: usize = segments.iter().map(|n| n + SMOOTHED_DEGREE).product();
-    let smoothed = FitOptions { degree: [SMOOTHED_DEGREE; 2], segments, smooth: Smooth::Auto, ..options.clone() };
-    (PER_SMOOTHED_UNKNOWN * unknowns <= contacts).then_some(smoothed)
 }
 
 /// What is left out at a time.
