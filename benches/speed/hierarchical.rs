@@ -1,4 +1,4 @@
-//! Adaptive fits over hierarchical splines: `cargo bench -p palpate-hierarchical --features threads --bench hierarchical [-- WORD]`.
+//! Adaptive fits over hierarchical splines: `cargo bench --bench hierarchical [-- WORD]`.
 //!
 //! ```text
 //! table      1e4 .. 1e7 contacts of one smooth surface with 0, 10 and 1,000 bumps: time, memory, unknowns, error, factor's share
