@@ -181,28 +181,41 @@ fn an_interrupt_before_the_parts_are_known_says_what_is_kept() {
 fn a_signal_that_is_ignored_stays_so_and_the_others_are_heeded() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("ball.toml"), BALL).unwrap();
-    let line = "study ball.toml --replicates 1000000 --coverage --json";
     for (ignored, heeded) in [("HUP", "INT"), ("HUP", "TERM"), ("INT", "HUP"), ("INT QUIT", "TERM")] {
-        let program = assert_cmd::cargo::cargo_bin("palpate");
-        let mut child = std::process::Command::new("sh")
-            .current_dir(folder.path())
-            .args(["-c", &format!("trap '' {ignored}; exec {} {line}", program.display())])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let of = child.id().to_string();
-        let send = |signal: &str| {
-            assert!(std::process::Command::new("kill").args(["-s", signal, of.as_str()]).status().unwrap().success());
-        };
-        std::thread::sleep(Duration::from_secs(3));
-        send(ignored.split(' ').next().unwrap());
-        std::thread::sleep(Duration::from_secs(1));
-        assert!(child.try_wait().unwrap().is_none(), "{ignored} ended it");
-        send(heeded);
-        let (code, out, message) = ends(child);
-        assert_eq!(code, Some(130), "{ignored} ignored, {heeded} sent: {message}");
-        assert!(message.contains("interrupted after") && message.contains("kept"), "{message}");
-        assert!(serde_json::from_str::<serde_json::Value>(&out).unwrap()["replicates"].as_u64().unwrap() > 0);
+        // a busy machine may have nothing to keep by then
+        let kept = [3, 12, 40].into_iter().any(|seconds| {
+            let (code, out, message) = signalled_beside(folder.path(), ignored, heeded, Duration::from_secs(seconds));
+            let is_kept = message.contains("interrupted after") && message.contains("kept");
+            if is_kept {
+                assert_eq!(code, Some(130), "{ignored} ignored, {heeded} sent: {message}");
+                assert!(serde_json::from_str::<serde_json::Value>(&out).unwrap()["replicates"].as_u64().unwrap() > 0);
+            }
+            is_kept
+        });
+        assert!(kept, "{ignored} ignored, {heeded} sent: nothing is kept");
     }
+}
+
+/// How a study ends that ignores some signals, of which the first is sent after so long, and a second later the one that it heeds.
+#[cfg(target_os = "linux")]
+fn signalled_beside(here: &Path, ignored: &str, heeded: &str, wait: Duration) -> (Option<i32>, String, String) {
+    let program = assert_cmd::cargo::cargo_bin("palpate");
+    let line = "study ball.toml --replicates 1000000 --coverage --json";
+    let mut child = std::process::Command::new("sh")
+        .current_dir(here)
+        .args(["-c", &format!("trap '' {ignored}; exec {} {line}", program.display())])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let of = child.id().to_string();
+    let send = |signal: &str| {
+        assert!(std::process::Command::new("kill").args(["-s", signal, of.as_str()]).status().unwrap().success());
+    };
+    std::thread::sleep(wait);
+    ignored.split(' ').take(1).for_each(send);
+    std::thread::sleep(Duration::from_secs(1));
+    assert!(child.try_wait().unwrap().is_none(), "{ignored} ended it");
+    send(heeded);
+    ends(child)
 }
