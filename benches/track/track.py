@@ -93,8 +93,8 @@ def append(file, line):
 
 def counted(counts):
     """The line of these counts, of what is checked out; edits that are not committed are said, for no commit has them."""
-    line = {**measure.describe("HEAD"), "machine": machine(), "counts": counts}
-    line["commit"] = measure.said("git", "rev-parse", "HEAD").strip()
+    commit = measure.said("git", "rev-parse", "HEAD").strip()
+    line = {**measure.describe(commit), "machine": machine(), "counts": counts}
     return {**line, "edited": True} if measure.said("git", "status", "--porcelain", "--untracked-files=no").strip() else line
 
 

@@ -27,16 +27,22 @@ pub(super) fn frontier(args: &FrontierArgs) -> Result<(), Failure> {
     let began = Instant::now();
     let Some(subject) = &args.subject else { return print_orders(args) };
     let request = args.request()?;
-    let found = if is_scene(subject) {
-        frontier_scene::measure(args, subject, &scene::source(subject)?, request.as_ref(), &|_, _| true)?
-    } else {
-        check_file(args, subject)?;
-        Some(frontier_input::measure(args, subject, request.as_ref(), &|_, _| true)?)
+    let source = if is_scene(subject) { Some(scene::source(subject)?) } else { None };
+    // before anything is measured, so that a wrong file is heard of at once
+    let beside = match (&args.beside, &source) {
+        (None, _) => Vec::new(),
+        (Some(file), Some(source)) => beside(file, subject, &source.scene()?.name)?,
+        (Some(file), None) => beside(file, subject, subject)?,
+    };
+    let found = match &source {
+        Some(source) => frontier_scene::measure(args, subject, source, request.as_ref(), &|_, _| true)?,
+        None => {
+            check_file(args, subject)?;
+            Some(frontier_input::measure(args, subject, request.as_ref(), &|_, _| true)?)
+        }
     };
     let Some(mut document) = found else { return Ok(()) };
-    if let Some(file) = &args.beside {
-        document.beside = beside(file, subject, &document.scene)?;
-    }
+    document.beside = beside;
     document.seconds = began.elapsed().as_secs_f64();
     publish(args, &document)?;
     if interrupt::asked() {

@@ -28,8 +28,10 @@ pub(crate) fn write_frontier_table(
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
     let mut text = head(document, width);
-    rows(document, &mut text);
-    rows_beside(document, &mut text);
+    if !document.shortlist.is_empty() {
+        rows(document, &mut text);
+        rows_beside(document, &mut text);
+    }
     let mut lines = Vec::new();
     pick_lines(document, &mut lines);
     recommended_lines(document, &mut lines);
@@ -88,9 +90,6 @@ fn columns(document: &FrontierDocument) -> Vec<Column> {
 }
 
 fn rows(document: &FrontierDocument, text: &mut String) {
-    if document.shortlist.is_empty() {
-        return;
-    }
     let columns = columns(document);
     text.push_str("\n ");
     for (name, _) in &columns {
@@ -118,9 +117,20 @@ fn rows_beside(document: &FrontierDocument, text: &mut String) {
     let beside = &document.beside;
     let mut shown: Vec<&BesidePart> = beside.iter().filter(|part| is_unbeaten(part, beside)).collect();
     shown.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let columns = columns(document);
     for part in shown {
-        let [s, r] = [part.error_S, part.error_R].map(|error| error.map_or("-".into(), |error| significant(error, 2)));
-        let _ = writeln!(text, "  {s:>14} {r:>14} {:>9}   {}: {}", time(part.seconds), part.program, part.label);
+        text.push(' ');
+        for (name, _) in &columns {
+            // where contacts judge, the error is that of the height
+            let error = match *name {
+                "error of S" => part.error_S,
+                "error of R" => part.error_R,
+                "unseen height" => Some(part.error),
+                _ => None,
+            };
+            let _ = write!(text, " {:>14}", error.map_or("-".into(), |error| significant(error, 2)));
+        }
+        let _ = writeln!(text, " {:>9}   {}: {}", time(part.seconds), part.program, part.label);
     }
 }
 

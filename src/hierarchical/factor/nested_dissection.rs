@@ -13,13 +13,13 @@
 const SMALLEST: usize = 48;
 
 /// Who meets whom, both ways.
-struct Meetings {
+pub(super) struct Meetings {
     starts: Vec<usize>,
     others: Vec<u32>,
 }
 
 impl Meetings {
-    fn of(starts: &[usize], rows: &[usize]) -> Meetings {
+    pub(super) fn of(starts: &[usize], rows: &[usize]) -> Meetings {
         let order = starts.len() - 1;
         let pairs = || (0..order).flat_map(|c| rows[starts[c]..starts[c + 1]].iter().map(move |r| (*r, c)));
         let mut found = vec![0; order + 1];
@@ -39,7 +39,8 @@ impl Meetings {
         Meetings { starts: found, others }
     }
 
-    fn of_unknown(&self, unknown: u32) -> &[u32] {
+    /// Those that an unknown meets, itself left out.
+    pub(super) fn of_unknown(&self, unknown: u32) -> &[u32] {
         &self.others[self.starts[unknown as usize]..self.starts[unknown as usize + 1]]
     }
 }

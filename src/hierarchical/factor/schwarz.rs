@@ -8,8 +8,10 @@
 //! smooth over many blocks, nearly all of it (M. Dryja, O. Widlund, *SIAM J. Sci. Comput.* 15 (1994) 604; the additive method with a coarse
 //! space).
 
+use super::nested_dissection::Meetings;
 use super::sparse_cholesky::{EliminationOrder, SparseCholesky};
 use crate::error::HierarchyError;
+use palpate_numeric::linalg::{GradientLimits, conjugate_gradients};
 use palpate_numeric::threads;
 
 /// Unknowns of a block before others are added that meet them: of twice as many the factors take a third more memory for each unknown.
@@ -55,7 +57,7 @@ impl SchwarzSolver {
                 sets.extend(halves(set, places));
             }
         }
-        let meetings = columns_of_all(starts, rows);
+        let meetings = Meetings::of(starts, rows);
         let blocks = threads::map(cores.len(), 1, |k| SchwarzBlock::plan(&cores[k], &meetings, [starts, rows], places));
         let (shares, nodes) = coarse_shares(places);
         // a full upper triangle
@@ -84,13 +86,12 @@ impl SchwarzSolver {
                 self.add_coarse([self.rows[at], column], values[at], &mut coarse);
             }
         }
-        // nodes without a share of their own
-        (0..nodes)
-            .map(|k| k * (k + 3) / 2)
-            .filter(|at| coarse[*at] <= 0.0)
-            .collect::<Vec<_>>()
-            .into_iter()
-            .for_each(|at| coarse[at] = 1.0);
+        for diagonal in (0..nodes).map(|k| k * (k + 3) / 2) {
+            // a node without a share of any place
+            if coarse[diagonal] <= 0.0 {
+                coarse[diagonal] = 1.0;
+            }
+        }
         self.coarse.factor(&coarse)
     }
 
@@ -99,40 +100,40 @@ impl SchwarzSolver {
             for (b, t) in self.shares[column] {
                 let product = s * t * value;
                 let (low, high) = (a.min(b) as usize, a.max(b) as usize);
-                // of both triangles of A; off the diagonal of the coarse matrix one of them
-                let twice = if row == column { a <= b } else { true };
-                let doubled = if row != column && a == b { 2.0 } else { 1.0 };
-                if twice {
-                    coarse[high * (high + 1) / 2 + low] += doubled * product;
+                // an entry off the diagonal of A stands for both, which fall on one place of the coarse diagonal
+                if row != column && a == b {
+                    coarse[high * (high + 1) / 2 + low] += 2.0 * product;
+                } else if row != column || a <= b {
+                    coarse[high * (high + 1) / 2 + low] += product;
                 }
             }
         }
     }
 
-    fn precondition(&self, v: &[f64]) -> Vec<f64> {
+    fn precondition(&self, v: &mut [f64]) {
+        let given: &[f64] = v;
         let parts = threads::map(self.blocks.len(), 1, |k| {
             let block = &self.blocks[k];
-            let mut own: Vec<f64> = block.unknowns.iter().map(|unknown| v[*unknown as usize]).collect();
+            let mut own: Vec<f64> = block.unknowns.iter().map(|unknown| given[*unknown as usize]).collect();
             block.factor.solve(&mut own);
             own
         });
-        let mut out = vec![0.0; v.len()];
-        for (block, part) in self.blocks.iter().zip(parts) {
-            block.unknowns.iter().zip(part).for_each(|(unknown, part)| out[*unknown as usize] += part);
-        }
         let mut coarse = vec![0.0; self.coarse.order().len()];
-        for (shares, v) in self.shares.iter().zip(v) {
-            shares.iter().for_each(|(node, share)| coarse[*node as usize] += share * v);
+        for (shares, given) in self.shares.iter().zip(given) {
+            shares.iter().for_each(|(node, share)| coarse[*node as usize] += share * given);
         }
         self.coarse.solve(&mut coarse);
-        for (shares, out) in self.shares.iter().zip(&mut out) {
-            shares.iter().for_each(|(node, share)| *out += share * coarse[*node as usize]);
+        v.fill(0.0);
+        for (block, part) in self.blocks.iter().zip(parts) {
+            block.unknowns.iter().zip(part).for_each(|(unknown, part)| v[*unknown as usize] += part);
         }
-        out
+        for (shares, v) in self.shares.iter().zip(v) {
+            shares.iter().for_each(|(node, share)| *v += share * coarse[*node as usize]);
+        }
     }
 
-    fn multiply(&self, v: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; v.len()];
+    fn multiply(&self, v: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
         for column in 0..v.len() {
             for at in self.starts[column]..self.starts[column + 1] {
                 let (row, value) = (self.rows[at], self.values[at]);
@@ -142,30 +143,14 @@ impl SchwarzSolver {
                 }
             }
         }
-        out
     }
 
     /// `v <- A^-1 v`; how many iterations it took.
     pub(super) fn solve(&self, v: &mut [f64]) -> usize {
-        let mut residual = v.to_vec();
-        v.fill(0.0);
-        let mut direction = self.precondition(&residual);
-        let mut energy = dot(&residual, &direction);
-        let (first, mut iterations) = (energy, 0);
-        while energy > REDUCTION * REDUCTION * first && iterations < MOST_ITERATIONS {
-            let moved = self.multiply(&direction);
-            let step = energy / dot(&direction, &moved);
-            if !step.is_finite() {
-                break;
-            }
-            v.iter_mut().zip(&direction).for_each(|(v, d)| *v += step * d);
-            residual.iter_mut().zip(&moved).for_each(|(r, m)| *r -= step * m);
-            let next = self.precondition(&residual);
-            let after = dot(&residual, &next);
-            direction.iter_mut().zip(&next).for_each(|(d, n)| *d = n + after / energy * *d);
-            energy = after;
-            iterations += 1;
-        }
+        let limits = GradientLimits { tolerance: REDUCTION, steps: MOST_ITERATIONS };
+        let multiply = |v: &[f64], out: &mut [f64]| self.multiply(v, out);
+        let (solution, iterations) = conjugate_gradients(multiply, |v| self.precondition(v), v, limits);
+        v.copy_from_slice(&solution);
         iterations
     }
 
@@ -173,10 +158,6 @@ impl SchwarzSolver {
     pub(super) fn entries(&self) -> usize {
         self.blocks.iter().map(|block| block.factor.factor_entries()).sum::<usize>() + self.coarse.factor_entries()
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Two sets of near unknowns.
@@ -196,28 +177,15 @@ fn halves(mut set: Vec<u32>, places: &[[f64; 2]]) -> [Vec<u32>; 2] {
     [set, right]
 }
 
-/// For every unknown those that it meets, itself included.
-fn columns_of_all(starts: &[usize], rows: &[usize]) -> Vec<Vec<u32>> {
-    let mut all = vec![Vec::new(); starts.len() - 1];
-    for column in 0..starts.len() - 1 {
-        for row in &rows[starts[column]..starts[column + 1]] {
-            all[*row].push(column as u32);
-            if *row != column {
-                all[column].push(*row as u32);
-            }
-        }
-    }
-    all
-}
-
 impl SchwarzBlock {
     fn plan(
         core: &[u32],
-        meetings: &[Vec<u32>],
+        meetings: &Meetings,
         [starts, rows]: [&[usize]; 2],
         places: &[[f64; 2]],
     ) -> Result<SchwarzBlock, HierarchyError> {
-        let mut unknowns: Vec<u32> = core.iter().flat_map(|unknown| &meetings[*unknown as usize]).copied().collect();
+        let beside = core.iter().flat_map(|unknown| meetings.of_unknown(*unknown));
+        let mut unknowns: Vec<u32> = core.iter().chain(beside).copied().collect();
         unknowns.sort_unstable();
         unknowns.dedup();
         let (mut own_starts, mut own_rows, mut entries) = (vec![0], Vec::new(), Vec::new());

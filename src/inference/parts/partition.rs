@@ -18,7 +18,7 @@ use super::hypothesis::{CAP, Walk, best, cost, descended, extent, grow, sampled}
 use super::local::{LocalShape, Noise};
 use crate::primitives::descent::Sample;
 use crate::primitives::placed::{PartKind, Primitive};
-use palpate_numeric::statistics::upper_median;
+use palpate_numeric::statistics::{MAD_TO_SD, RAYLEIGH_TO_SD, mad, upper_median};
 use palpate_numeric::threads;
 
 /// What a pair of neighbours with different labels costs. A point with all 8 neighbours on the other side changes sides
@@ -33,9 +33,6 @@ const SWEEPS: usize = 4;
 
 /// Points that two parts are judged by when they are to be joined.
 const JUDGED: usize = 200;
-
-/// Median of |gaussian|, and of the length of two of them.
-const MEDIAN: [f64; 2] = [0.6745, 1.1774];
 
 /// No part.
 pub(super) const NONE: u32 = u32::MAX;
@@ -160,19 +157,21 @@ impl Partition {
     /// Fits every part to its inner points, its kind chosen anew.
     pub(super) fn refit(&mut self, field: &Field) {
         let members = self.members();
-        let fitted = threads::map(self.parts.len(), 1, |part| {
-            let inner = self.inner(field.cloud, &members[part]);
-            if inner.len() < NEAREST / 2 { None } else { chosen(field, &inner, &self.parts[part]) }
-        });
+        let fitted = threads::map(self.parts.len(), 1, |part| self.chosen_for(field, part, &members[part]));
         self.replace(fitted);
+    }
+
+    /// The simplest kind for a part's inner points, where these are enough.
+    fn chosen_for(&self, field: &Field, part: usize, members: &[u32]) -> Option<Primitive> {
+        let inner = self.inner(field.cloud, members);
+        if inner.len() < NEAREST / 2 { None } else { chosen(field, &inner, &self.parts[part]) }
     }
 
     /// Parts that a simpler kind explains as well are of that kind: a ball a hundred times as large as its patch is a plane.
     pub(super) fn simplify(&mut self, field: &Field) {
         let members = self.members();
         let simpler = threads::map(self.parts.len(), 1, |part| {
-            let inner = self.inner(field.cloud, &members[part]);
-            let found = if inner.len() < NEAREST / 2 { None } else { chosen(field, &inner, &self.parts[part]) };
+            let found = self.chosen_for(field, part, &members[part]);
             found.filter(|found| found.kind.free().len() < self.parts[part].kind.free().len())
         });
         self.replace(simpler);
@@ -214,8 +213,8 @@ impl Partition {
         }
         let median = |values: Vec<f64>| upper_median(values).unwrap_or(0.0);
         Noise {
-            distance: floor.distance.max(median(off.iter().map(|o| o.0).collect()) / MEDIAN[0]),
-            normal: floor.normal.max(median(off.iter().map(|o| o.1).collect()) / MEDIAN[1]),
+            distance: floor.distance.max(MAD_TO_SD * median(off.iter().map(|o| o.0).collect())),
+            normal: floor.normal.max(RAYLEIGH_TO_SD * median(off.iter().map(|o| o.1).collect())),
         }
     }
 
@@ -376,14 +375,13 @@ fn chosen(field: &Field, inner: &[u32], before: &Primitive) -> Option<Primitive>
 /// The primitive fitted to those of its inner points that their own scatter explains, if half of that scatter goes with it.
 fn sharper(cloud: &Cloud, inner: &[u32], before: &Primitive, floor: &Noise) -> Option<Primitive> {
     let scatter = |primitive: &Primitive| {
-        let distances = inner.iter().map(|i| primitive.nearest(cloud.points[*i as usize]).0.abs());
-        upper_median(distances.collect::<Vec<f64>>()).map(|median| (median / MEDIAN[0]).max(floor.distance))
+        mad(inner.iter().map(|i| primitive.nearest(cloud.points[*i as usize]).0)).max(floor.distance)
     };
-    let u = Noise { distance: scatter(before)?, normal: floor.normal };
+    let u = Noise { distance: scatter(before), normal: floor.normal };
     let explains = |i: &u32| cost(before, cloud.points[*i as usize], cloud.normals[*i as usize], &u) < CAP;
     let explained: Vec<u32> = inner.iter().copied().filter(explains).collect();
     let found = exact(cloud, &explained, before, &u)?.primitive;
-    (scatter(&found)? < 0.5 * u.distance).then_some(found)
+    (scatter(&found) < 0.5 * u.distance).then_some(found)
 }
 
 /// The kind of the part fitted once more to all inner points, for the answer.

@@ -12,6 +12,7 @@
 
 mod blocks;
 mod condition;
+mod conjugate_gradients;
 mod dense;
 mod dot;
 mod double_double;
@@ -26,6 +27,7 @@ mod stencil;
 
 pub use blocks::{BlockMatrix, MapShape};
 pub use condition::inverse_norm1_estimate;
+pub use conjugate_gradients::{GradientLimits, conjugate_gradients};
 pub use dense::{Eigen, cholesky, eigen, product};
 pub use dot::dot;
 pub(crate) use dot::partial_dots;

@@ -11,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::FastDiagonalisation;
 use super::factor::Factor;
-use crate::linalg::{StencilMatrix, dot, inverse_norm1_estimate};
+use crate::linalg::{GradientLimits, StencilMatrix, conjugate_gradients, inverse_norm1_estimate};
 
 /// Conjugate gradients stop when the preconditioned residual is this fraction of the first; further steps only change
 /// roundings.
@@ -46,7 +46,9 @@ impl GridSolver {
             self.precondition(v);
             return 0;
         }
-        let (solution, iterations) = self.conjugate_gradients(v);
+        let limits = GradientLimits { tolerance: CG_TOLERANCE, steps: CG_STEPS };
+        let multiply = |v: &[f64], out: &mut [f64]| self.matrix.multiply(v, out);
+        let (solution, iterations) = conjugate_gradients(multiply, |v| self.precondition(v), v, limits);
         v.copy_from_slice(&solution);
         iterations
     }
@@ -65,35 +67,6 @@ impl GridSolver {
     fn precondition(&self, v: &mut [f64]) {
         // the buffers hold nothing between calls, so a poisoned lock does no harm
         self.diagonalisation.lock().unwrap_or_else(PoisonError::into_inner).solve(v);
-    }
-
-    fn conjugate_gradients(&self, rhs: &[f64]) -> (Vec<f64>, usize) {
-        let mut x = vec![0.0; rhs.len()];
-        let mut r = rhs.to_vec();
-        let mut z = r.clone();
-        self.precondition(&mut z);
-        let mut direction = z.clone();
-        let mut image = vec![0.0; rhs.len()];
-        let mut rz = dot(&r, &z);
-        let first = rz;
-        for step in 1..=CG_STEPS {
-            if rz <= CG_TOLERANCE * CG_TOLERANCE * first {
-                return (x, step - 1);
-            }
-            self.matrix.multiply(&direction, &mut image);
-            let alpha = rz / dot(&direction, &image);
-            for k in 0..x.len() {
-                x[k] += alpha * direction[k];
-                r[k] -= alpha * image[k];
-            }
-            z.copy_from_slice(&r);
-            self.precondition(&mut z);
-            let next = dot(&r, &z);
-            let beta = next / rz;
-            direction.iter_mut().zip(&z).for_each(|(d, z)| *d = z + beta * *d);
-            rz = next;
-        }
-        (x, CG_STEPS)
     }
 }
 
