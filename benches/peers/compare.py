@@ -6,6 +6,9 @@ Builds `side_by_side` with cargo and the C++ peers with g++ (Eigen, OpenBLAS), w
 palpate and one peer alternately, `--rounds` times, one process each. A ratio is palpate's best time of a round over the
 peer's of the same round; the table shows its median and range over the rounds, so that a slow minute of the machine
 hits both. A peer that cannot be built or started is named and left out.
+
+What is best for one processor is slow on another. Each C++ peer is therefore built with every set of `FLAGS` and, where
+it calls OpenBLAS, tried with every kernel of `KERNELS`; the quickest of them is the peer, and the table names it.
 """
 import argparse
 import datetime
@@ -21,7 +24,16 @@ import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
-FLAGS = "-O3 -march=native -mprefer-vector-width=512 -ffast-math -fopenmp -I/usr/include/eigen3".split()
+FLAGS = {
+    "512": "-O3 -march=native -mprefer-vector-width=512 -ffast-math",
+    "256": "-O3 -march=native -mprefer-vector-width=256 -ffast-math",
+    "native": "-O3 -march=native -ffast-math",
+    "O2": "-O2 -march=native -ffast-math",
+    "v3": "-O3 -march=x86-64-v3 -ffast-math",
+}
+ALWAYS = "-fopenmp -I/usr/include/eigen3"
+# OpenBLAS takes the kernels of the processor that it believes to run on; "" leaves that to it
+KERNELS = ["", "Haswell", "Zen", "SkylakeX"]
 CPP = {"paper": [], "scattered": ["-lopenblas"], "curvature": ["-lmvec", "-lm"]}
 
 # workload: input, repetitions a round, C++ peer, NumPy peers (the first is the one of the goal)
@@ -56,24 +68,30 @@ def build(directory):
         if message.get("executable") and message.get("target", {}).get("name") == "side_by_side":
             made["palpate"] = message["executable"]
     for name, libraries in CPP.items():
-        target = os.path.join(directory, name)
         source = os.path.join(HERE, "cpp", name + ".cpp")
-        result = subprocess.run(["g++", *FLAGS, source, "-o", target, *libraries], capture_output=True, text=True)
-        if result.returncode == 0:
-            made[name] = target
-        else:
-            print(f"left out: {name}.cpp does not build here: {result.stderr.splitlines()[:1]}", file=sys.stderr)
+        made[name] = []
+        for flags, words in FLAGS.items():
+            target = os.path.join(directory, f"{name}-{flags}")
+            command = ["g++", *words.split(), *ALWAYS.split(), source, "-o", target, *libraries]
+            result = subprocess.run(command, capture_output=True, text=True)
+            if result.returncode == 0:
+                kernels = KERNELS if "-lopenblas" in libraries else [""]
+                made[name] += [(" ".join(filter(None, (flags, kernel))), target, kernel) for kernel in kernels]
+            else:
+                print(f"left out: {name}.cpp with {words}: {result.stderr.splitlines()[:1]}", file=sys.stderr)
     return made
 
 
-def run(command, threads):
+def run(command, threads, kernel=""):
     """Times, peak megabytes, megabytes after reading the input."""
     environment = dict(os.environ)
     for name in ("OMP", "OPENBLAS", "MKL"):
         environment[name + "_NUM_THREADS"] = str(threads)
-    if command[0].endswith("scattered"):
+    if os.path.basename(command[0]).startswith("scattered"):
         environment["OPENBLAS_NUM_THREADS"] = "1"  # two threads make pbtrf slower
     environment.pop("OPENBLAS_CORETYPE", None)
+    if kernel:
+        environment["OPENBLAS_CORETYPE"] = kernel
     result = subprocess.run(command, env=environment, capture_output=True, text=True)
     if result.returncode:
         raise RuntimeError(f"{' '.join(command)}: {result.stderr.strip()[-300:]}")
@@ -100,36 +118,58 @@ def agreement(work, ours, theirs):
     return {"c": coefficients(a, b)}
 
 
-def peers_of(work, made, wanted):
+def filled(command, source, out, repetitions):
+    """The command with its places for files and repetitions taken."""
+    places = {"{in}": source, "{out}": out, "{reps}": str(repetitions)}
+    return [places.get(part, part) for part in command]
+
+
+def quickest(work, builds, arguments, threads, directory):
+    """The build and the kernels that a C++ peer answers soonest with: (name, command, kernel), or None."""
+    source, repetitions = os.path.join(directory, WORK[work][0]), WORK[work][1]
+    tried = []
+    for name, program, kernel in builds:
+        command = filled([program, *arguments], source, os.path.join(directory, "theirs.bin"), repetitions)
+        try:
+            seconds = min(min(run(command, threads, kernel)[0]) for _ in range(2))
+        except RuntimeError as fault:
+            print(f"left out: {fault}", file=sys.stderr)
+            continue
+        tried.append((seconds, name, [program, *arguments], kernel))
+    return min(tried)[1:] if tried else None
+
+
+def peers_of(work, made, wanted, threads, directory):
+    """(name, flags, command, kernel) of each peer."""
     _, _, cpp, numpy_peers = WORK[work]
-    if cpp and "cpp" in wanted and cpp[0] in made:
-        yield "cpp", [made[cpp[0]], *cpp[1:]]
+    if cpp and "cpp" in wanted:
+        best = quickest(work, made.get(cpp[0], []), cpp[1:], threads, directory)
+        if best:
+            yield ("cpp", *best)
     if "numpy" in wanted:
         for name in numpy_peers:
-            yield name, [sys.executable, os.path.join(HERE, "numpy_peers.py"), name, "{in}", "{out}", "{reps}"]
+            yield name, "", [sys.executable, os.path.join(HERE, "numpy_peers.py"), name, "{in}", "{out}", "{reps}"], ""
 
 
-def compare(work, name, command, threads, made, directory, rounds):
+def compare(work, peer, threads, made, directory, rounds):
+    name, flags, command, kernel = peer
     source, repetitions = os.path.join(directory, WORK[work][0]), WORK[work][1]
     ours, theirs = os.path.join(directory, "ours.bin"), os.path.join(directory, "theirs.bin")
-    fill = lambda c, out, reps: [
-        {"{in}": source, "{out}": out, "{reps}": str(reps)}.get(part, part) for part in c
-    ]
     palpate = [made["palpate"], work, "{in}", "{out}", "{reps}", str(threads), "--bench"]
     times, memory = {"palpate": [], "peer": []}, {}
     for _ in range(rounds):
-        for who, parts, out, reps in (
-            ("palpate", palpate, ours, repetitions),
-            ("peer", command, theirs, SLOW.get(name, repetitions)),
+        for who, parts, out, reps, kernels in (
+            ("palpate", palpate, ours, repetitions, ""),
+            ("peer", command, theirs, SLOW.get(name, repetitions), kernel),
         ):
-            seconds, peak, base = run(fill(parts, out, reps), threads)
+            seconds, peak, base = run(filled(parts, source, out, reps), threads, kernels)
             times[who].append(seconds)
             memory[who] = (peak, peak - base)
     ratios = [min(p) / min(q) for p, q in zip(times["palpate"], times["peer"])]
     best = lambda who: min(map(min, times[who]))
     middle = lambda who: statistics.median(s for r in times[who] for s in r)
     return {
-        "work": work, "peer": name, "threads": threads, "rounds": rounds,
+        "work": work, "peer": name, "flags": flags, "threads": threads, "rounds": rounds,
         "palpate": {"min": best("palpate"), "median": middle("palpate"), "peak_mb": memory["palpate"][0],
                     "above_input_mb": memory["palpate"][1]},
         "other": {"min": best("peer"), "median": middle("peer"), "peak_mb": memory["peer"][0],
@@ -159,7 +199,7 @@ def row(r):
     p, q, ratio = r["palpate"], r["other"], r["ratio"]
     size = lambda v: f"{v:.0f} MB" if v == v else ""
     return "| " + " | ".join([
-        r["work"], r["peer"], str(r["threads"]), f"{seconds(p['min'])} ({seconds(p['median'])})",
+        r["work"], " ".join(filter(None, (r["peer"], r["flags"]))), str(r["threads"]), f"{seconds(p['min'])} ({seconds(p['median'])})",
         f"{seconds(q['min'])} ({seconds(q['median'])})", seconds(q["recorded_min"]), f"**{ratio['median']:.2f}**",
         f"{ratio['min']:.2f} to {ratio['max']:.2f}", size(p["above_input_mb"]), size(q["above_input_mb"]),
         ", ".join(f"{k} {v:.0e}" for k, v in r["agreement"].items()),
@@ -202,7 +242,7 @@ def machine():
     return {
         "date": datetime.date.today().isoformat(), "cpu": model, "cores": os.cpu_count(),
         "commit": "".join(say("git", "rev-parse", "--short", "HEAD")), "rustc": "".join(say("rustc", "--version")),
-        "gxx": "".join(say("g++", "--version")), "gxx_flags": " ".join(FLAGS[:-1]), "numpy": np.__version__,
+        "gxx": "".join(say("g++", "--version")), "gxx_flags": f"the quickest of {'; '.join(f'{k}: {v}' for k, v in FLAGS.items())}; all {ALWAYS.split()[0]}", "numpy": np.__version__,
         "system": platform.platform(), "load": os.getloadavg()[0],
     }
 
@@ -227,11 +267,11 @@ def main():
         for threads in map(int, options.threads.split(",")):
             if threads > 1 and work.startswith("w3"):
                 continue  # one thread's work
-            for name, command in peers_of(work, made, options.peers.split(",")):
-                if threads > 1 and name != "cpp":
+            for peer in peers_of(work, made, options.peers.split(","), threads, options.data):
+                if threads > 1 and peer[0] != "cpp":
                     continue
                 try:
-                    results.append(compare(work, name, command, threads, made, options.data, options.rounds))
+                    results.append(compare(work, peer, threads, made, options.data, options.rounds))
                 except RuntimeError as fault:
                     print(f"left out: {fault}", file=sys.stderr)
                     continue
