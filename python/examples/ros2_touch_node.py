@@ -76,7 +76,7 @@ def _coloured(colour: Any, shade: Any) -> Any:
 
 
 # parameters with the value that stands for none
-PARAMETERS = {"frame": "", "state": "", "window": 0, "until_radius": 0.0, "refresh": 0.05}
+PARAMETERS = {"frame": "", "state": "", "window": 0, "until_radius": 0.0, "refresh": 0.25}
 
 
 def main() -> None:

@@ -105,7 +105,7 @@ class TouchFollower:
         if answer is None:
             self.left_out += 1
             return []
-        if answer.answer == "fresh" and time.monotonic() - self._saved > SAVED_EVERY:
+        if time.monotonic() - self._saved > SAVED_EVERY:
             self.close()
         return markers(self.loop, answer, self.frame or "")
 
@@ -127,12 +127,12 @@ class TouchFollower:
 
 
 def markers(loop: palpate.LiveLoop, answer: palpate.LiveAnswer, frame: str) -> list[Marker]:
-    """Everything that is drawn after an answer; a surface that stands is not drawn again."""
+    """Everything that is drawn after an answer; a surface is drawn again when all touches were looked at."""
     contacts = loop.contacts
     places = np.column_stack([contacts["x"], contacts["y"], contacts["z"]])
     size = float(np.ptp(places, axis=0).max()) or 0.01
     found = [_contacts(places, size), _next(answer, size), _words(answer, places, size)]
-    if answer.answer != "stands":
+    if answer.answer in ("fresh", "none"):
         found.append(_surface(loop, answer))
     return [{"frame_id": frame, "id": 0, **marker} for marker in found]
 

@@ -99,8 +99,8 @@ def test_an_answer_has_names() -> None:
     assert last.radius_interval is not None and last.radius_interval[0] < 9 < last.radius_interval[1]
     assert last.R is not None and last.R.u is not None and last.next is not None and last.next.by == "shape"
     assert last.seconds > 0 and str(last).startswith("40  ridge") and last.kind_probability is not None
-    stood = [answer for answer in answers if answer is not None and answer.answer == "stands"]
-    assert stood and all(answer.contacts < answer.touch for answer in stood) and loop.looks < 40
+    moved = [answer for answer in answers if answer is not None and answer.answer == "moved"]
+    assert moved and all(answer.contacts == answer.touch > answer.made_at for answer in moved) and loop.looks < 40
     assert pickle.loads(pickle.dumps(last)).to_dict() == last.to_dict() and "40 touches" in repr(loop)
 
 

@@ -63,6 +63,7 @@ const INNER: [(&str, &[(&str, u8)]); 1] = [(
     "recognition",
     &[
         ("error", 0),
+        ("hypothesis", 0),
         ("options", 0),
         ("remark", 0),
         ("kinds", 1),
@@ -75,6 +76,7 @@ const INNER: [(&str, &[(&str, u8)]); 1] = [(
         ("region", 7),
         ("result", 8),
         ("answer", 9),
+        ("sequential", 9),
         ("shape_report", 9),
         ("free_form", 10),
         ("whole_body", 11),

@@ -1,6 +1,6 @@
 """A loop that lives: every touch is answered when it comes, as `palpate live` does.
 
-    touch -> the touches that count -> all are looked at, or the last look stands -> answer, and what to touch next
+    touch -> the touches that count -> all are looked at, or the last look is moved, or it stands -> answer, and what to touch next
 
 An answer is never one of touches that it has not seen: where the last look stands, it says of how many touches that look is.
 """
@@ -69,7 +69,8 @@ class LiveAnswer:
 
     @property
     def answer(self) -> str:
-        """`fresh`: of all touches that count; `stands`: of those before, with which this one agrees; `none`: there is none."""
+        """`fresh`: all touches that count were looked at; `moved`: the last look's answer was moved by those since; `stands`: it is of the
+        touches before, and no simple shape; `none`: there is none."""
         return str(self.to_dict()["answer"])
 
     @property
@@ -164,7 +165,7 @@ class LiveLoop:
     """The touches so far and what is known of them, by the words of `palpate live`.
 
     window: only the last so many touches count, and memory stays as it is. refresh: all touches are looked at again when they
-    have grown by this share (0.05), and whenever one disagrees; 0: after every touch. Goals: until_radius, half of the radius's
+    have grown by this share (0.25), and whenever one disagrees; 0: after every touch. Goals: until_radius, half of the radius's
     interval; u_s and u_r, both or neither, the standard uncertainties of S and of R as a share of R. reach (x0, x1, y0, y1):
     where touches may be made next; the rectangle of the touches without. viewpoint (x, y, z): where the sensor stood. columns:
     "x=NAME,..." where names do not tell. resume: a file that `save`, or `palpate live --save`, has written.

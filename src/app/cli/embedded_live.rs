@@ -90,8 +90,8 @@ impl LiveLoop {
     }
 
     fn answered(&mut self, touch: &Contacts, clock: Instant) -> Result<LiveAnswer, String> {
-        let outcome = self.session.touch(touch);
-        self.answer(clock, outcome.is_reached)
+        let is_reached = self.session.touch(touch);
+        self.answer(clock, is_reached)
     }
 
     fn answer(&self, clock: Instant, is_reached: bool) -> Result<LiveAnswer, String> {

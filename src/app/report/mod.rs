@@ -76,6 +76,7 @@ pub(crate) use adaptive_answer::AdaptiveAnswer;
 pub(crate) use bare_surface::document_of_surface;
 pub(crate) use body_graph::{write_dot, write_graphml};
 pub(crate) use charts::KINDS;
+pub(crate) use describe::recognised::move_document;
 pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, points_at};
 pub(crate) use description::{Description, inverse_crime_remark};
 pub(crate) use diff::{DiffDocument, SurfacePart, write_diff_csv, write_diff_table};

@@ -227,6 +227,21 @@ impl BodyChart {
         self.draws.iter().map(of).collect()
     }
 
+    /// Numbers of at most so many of the draws, evenly.
+    pub(crate) fn some_draws(&self, most: usize) -> Vec<usize> {
+        (0..self.draws.len()).step_by(self.draws.len().div_ceil(most).max(1)).collect()
+    }
+
+    /// Signed distance of a place of the input from these draws, and their unit normals at its feet, in the input's units and axes.
+    pub(crate) fn drawn_at(&self, place: Vector, draws: &[usize]) -> Vec<(f64, Vector)> {
+        let local = self.frame.to_patch(place);
+        let of = |&d: &usize| {
+            let there = self.draws[d].reading(local);
+            (self.frame.scale * there.distance, self.frame.rotate_back(there.normal))
+        };
+        draws.iter().map(of).collect()
+    }
+
     /// What a touch at a place of the input would measure on these of the draws: the height of the surface over the likeliest one,
     /// input units, and two slopes against it.
     pub(crate) fn measured_at(&self, place: Vector, draws: &[usize]) -> Vec<[f64; 3]> {

@@ -1,101 +1,17 @@
 //! What a recognition gives back: the class with its probability, S and R with intervals, the map, and what was set
 //! aside.
 
+use std::sync::Arc;
+
 use statrs::function::erf;
 
 use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::ShapeClass;
 
 use super::contacts::NormalsUse;
-use super::region::{PredictiveDraw, RecognisedSurface};
+use super::hypothesis::Hypothesis;
+use super::region::{PosteriorDraws, PredictiveDraw, RecognisedSurface};
 use super::remark::Remark;
-
-/// The kinds of surface that are compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Hypothesis {
-    /// No curvature.
-    Plane,
-    /// Both curvatures equal.
-    Sphere,
-    /// One curvature zero.
-    Cylinder,
-    /// Two constant curvatures: a patch of a torus.
-    General,
-    /// A height field of second degree over the mean tangent plane.
-    Paraboloid,
-    /// Two constant curvatures and a smooth displacement along the normal.
-    Displaced,
-    /// An ellipsoid, hyperboloid, cone or any other surface whose implicit equation is of second degree.
-    Quadric,
-    /// A circle turned about an axis in its plane, touched anywhere.
-    Torus,
-    /// A line turned about an axis that it meets.
-    Cone,
-}
-
-impl Hypothesis {
-    /// All hypotheses, in the order in which they are tried.
-    pub const ALL: [Hypothesis; 9] = [
-        Hypothesis::Plane,
-        Hypothesis::Sphere,
-        Hypothesis::Cylinder,
-        Hypothesis::General,
-        Hypothesis::Paraboloid,
-        Hypothesis::Displaced,
-        Hypothesis::Quadric,
-        Hypothesis::Torus,
-        Hypothesis::Cone,
-    ];
-
-    /// The word used in every output.
-    pub fn name(self) -> &'static str {
-        match self {
-            Hypothesis::Plane => "plane",
-            Hypothesis::Sphere => "sphere",
-            Hypothesis::Cylinder => "cylinder",
-            Hypothesis::General => "general",
-            Hypothesis::Paraboloid => "paraboloid",
-            Hypothesis::Displaced => "general with displacement",
-            Hypothesis::Quadric => "quadric",
-            Hypothesis::Torus => "torus",
-            Hypothesis::Cone => "cone",
-        }
-    }
-
-    /// The same as part of a sentence.
-    pub fn described(self) -> &'static str {
-        match self {
-            Hypothesis::Plane => "a plane",
-            Hypothesis::Sphere => "a sphere",
-            Hypothesis::Cylinder => "a cylinder",
-            Hypothesis::General => "a surface of two constant curvatures",
-            Hypothesis::Paraboloid => "a paraboloid",
-            Hypothesis::Displaced => "a smooth surface near two constant curvatures",
-            Hypothesis::Quadric => "an ellipsoid or another quadric",
-            Hypothesis::Torus => "a torus",
-            Hypothesis::Cone => "a cone",
-        }
-    }
-
-    /// Numbers that fix a surface of this kind; a displacement adds as many as the contacts call for.
-    pub fn unknowns(self) -> usize {
-        match self {
-            Hypothesis::Plane => 3,
-            Hypothesis::Sphere => 4,
-            Hypothesis::Cylinder => 5,
-            Hypothesis::General | Hypothesis::Paraboloid | Hypothesis::Displaced | Hypothesis::Cone => 6,
-            Hypothesis::Torus => 7,
-            Hypothesis::Quadric => 9,
-        }
-    }
-}
-
-impl std::fmt::Display for Hypothesis {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
-}
 
 /// A quantity averaged over the patch, with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -308,6 +224,8 @@ pub struct Recognition {
     pub side_known: bool,
     /// Drawn surfaces with what touches would measure on them; empty where none was asked for.
     pub predictive: Vec<PredictiveDraw>,
+    /// Drawn surfaces of all kinds, for touches that come later.
+    pub(crate) draws: Arc<PosteriorDraws>,
 }
 
 impl Recognition {

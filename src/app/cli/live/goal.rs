@@ -42,7 +42,8 @@ impl LiveGoal {
         self.held >= IN_A_ROW
     }
 
-    fn holds(&self, shape: &ShapePart) -> bool {
+    /// Whether an answer is as well known as is wished.
+    pub(super) fn holds(&self, shape: &ShapePart) -> bool {
         let radius = self.radius.is_none_or(|goal| half_of_radius(shape).is_some_and(|half| half <= goal));
         let both = self.shape.is_none_or(|[u_s, u_r]| {
             let (s, r) = (&shape.shape_index, &shape.curvedness);

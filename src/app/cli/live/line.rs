@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! 12  ridge 99 %  cylinder 87 %  radius 25.3 [24.4, 26.2]  next -3.0, 4.5, 0.1
-//! 13  ...                                                                       (of the first 12)
+//! 13  ...                                                                       (of 12 touches, made at touch 12)
 //! ```
 
 use serde::Serialize;
@@ -24,7 +24,8 @@ struct AnswerLine<'a> {
     schema: &'static str,
     /// Number of the touch, counted from 1.
     touch: u64,
-    /// `fresh`: of all touches that count; `stands`: of those before, with which this one agrees; `none`: there is no answer.
+    /// `fresh`: all touches that count were looked at; `moved`: the last look's answer was moved by the touches since; `stands`: it is of
+    /// the touches before; `none`: there is no answer.
     answer: &'static str,
     /// Touches that the answer is of.
     contacts: usize,
@@ -54,10 +55,11 @@ fn kind(document: &FitDocument) -> (Option<&str>, Option<f64>) {
 pub(in crate::cli) fn json_line(look: &LiveLook, touch: u64, seconds: f64) -> serde_json::Result<String> {
     let document = look.document.as_ref().ok();
     let (kind, kind_probability) = document.map_or((None, None), |document| kind(document));
-    let answer = match (document, look.touches == touch) {
-        (None, _) => "none",
-        (Some(_), true) => "fresh",
-        (Some(_), false) => "stands",
+    let answer = match document {
+        None => "none",
+        Some(_) if look.touches == touch => "fresh",
+        Some(_) if look.counts_to(touch) => "moved",
+        Some(_) => "stands",
     };
     serde_json::to_string(&AnswerLine {
         schema: LINE_SCHEMA,
@@ -83,7 +85,7 @@ pub(in crate::cli) fn text_line(look: &LiveLook, touch: u64) -> String {
         Err(why) => words.push(format!("no answer: {}", why.split([':', '\n']).next().unwrap_or_default())),
     }
     words.extend(look.next.as_ref().map(next_words));
-    if look.touches != touch {
+    if look.touches != touch && !look.counts_to(touch) {
         words.push(format!("(of {} touches, made at touch {})", look.contacts, look.touches));
     }
     words.join("  ")

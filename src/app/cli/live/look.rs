@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! fresh     all touches were recognised, as palpate fit would
-//! stands    the answer of the touches before, which the new ones agree with:
-//!           |distance| <= 4 sd,  the normal within 4 sd,  beside what was touched,  fewer than a share more touches
+//! moved     the drawn surfaces of the last look were conditioned on the touches since, which agree with them
+//! stands    the answer of the touches before: what is no simple shape is not moved
 //! ```
 //!
-//! An answer that stands says of how many touches it is.
+//! An answer that stands says of how many touches it is. A touch that disagrees, or lies beside, or makes another kind the likeliest
+//! calls for a look at all of them; so do touches that have grown by a share.
 
 use std::time::{Duration, Instant};
 
@@ -14,24 +15,15 @@ use crate::cli::answer::{Question, answer, described};
 use crate::cli::found::{Found, Refusal};
 use crate::cli::options::FitFlags;
 use crate::io::Input;
-use crate::report::{Answer, Description, FitDocument, ShapePart, compute_shape};
+use crate::report::{Answer, Description, FitDocument, ShapePart, compute_shape, move_document};
 use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::Contacts;
-use palpate_inference::recognition::Recognition;
-use palpate_numeric::vector::dot;
+use palpate_inference::recognition::{SequentialOptions, SequentialPosterior, TouchUpdate};
 
 use super::next::{NextTouch, TouchReach, next_touch};
 
-/// Standard deviations by which a touch may miss the surface and still agree with it. Fewer: touches in their thousands are
-/// recognised again because of chance. More: a step of the surface is noticed later.
-const AGREES_WITHIN: f64 = 4.0;
-
-/// How far beyond the patch, as a share of its side, a touch is still one of the patch. Less: of touches in their thousands every one at
-/// an edge is recognised again. More: a sweep that goes on is answered for the part behind it.
-const BESIDE: f64 = 0.05;
-
-/// Rounding that is no disagreement, as a share of the patch's size.
-const ROUNDING: f64 = 1e-9;
+/// Share of the growth after which a simple shape is looked at again, for an answer that touches do not move: it grows older with each.
+const UNMOVED: f64 = 0.2;
 
 /// Two axes, and maps over them by their names.
 pub(in crate::cli) type LookMaps = ([Vec<f64>; 2], Vec<(&'static str, ndarray::Array2<f64>)>);
@@ -41,14 +33,18 @@ pub(in crate::cli) type LookMaps = ([Vec<f64>; 2], Vec<(&'static str, ndarray::A
 pub(in crate::cli) struct LiveLook {
     /// Touches that it is of.
     pub(super) contacts: usize,
-    /// Touches that had ever come by then.
+    /// Touches that had ever come when all were looked at.
     pub(super) touches: u64,
+    /// Touches that have moved it since.
+    pub(super) moved: u64,
     /// What `palpate fit` says of them, or why there is no answer.
     pub(super) document: Result<Box<FitDocument>, String>,
     /// What to touch next.
     pub(super) next: Option<NextTouch>,
     input: Input,
     found: Option<Found>,
+    /// How touches move it, where it is a simple shape.
+    posterior: Option<SequentialPosterior>,
     took: Duration,
 }
 
@@ -66,7 +62,24 @@ impl LiveLook {
             Input::Contacts(contacts) => next_touch(found.as_ref().ok(), contacts, reach),
             Input::Grid(_) => None,
         };
-        LiveLook { contacts: count, touches, document, next, input, found: found.ok(), took }
+        let found = found.ok();
+        let posterior = found.as_ref().and_then(posterior);
+        LiveLook { contacts: count, touches, moved: 0, document, next, input, found, posterior, took }
+    }
+
+    /// One touch more, which is moved into the answer where it can be; `false` calls for a look at all touches.
+    pub(super) fn takes(&mut self, touch: &Contacts) -> bool {
+        let (Some(found), Some(posterior)) = (&mut self.found, &mut self.posterior) else { return true };
+        let Answer::Recognised(recognised) = &mut found.answer else { return true };
+        let place = [touch.x[0], touch.y[0], touch.z[0]];
+        if posterior.update(recognised, place, touch.unit_normal(0)) != TouchUpdate::Moved {
+            return false;
+        }
+        if let Ok(document) = &mut self.document {
+            move_document(document, recognised);
+        }
+        (self.contacts, self.moved) = (self.contacts + 1, self.moved + 1);
+        true
     }
 
     /// The document that `palpate fit --save` writes; `None` where there is no answer.
@@ -86,45 +99,34 @@ impl LiveLook {
         described(found, &self.input, self.took.as_secs_f64(), found.notes.clone()).map(Some)
     }
 
+    /// Whether the answer counts every touch up to this one.
+    pub(super) fn counts_to(&self, touch: u64) -> bool {
+        self.touches + self.moved == touch
+    }
+
     /// The shape, where there is an answer.
     pub(super) fn shape(&self) -> Option<&ShapePart> {
         self.document.as_ref().ok().map(|document| &document.shape)
     }
 
-    /// Whether one more touch agrees with the answer. Of what is no simple shape nothing is predicted, and growth alone decides.
-    pub(super) fn agrees_with(&self, touch: &Contacts) -> bool {
-        let Some(found) = self.recognised() else { return true };
-        let place = [touch.x[0], touch.y[0], touch.z[0]];
-        let [u, v] = found.chart_of(place);
-        let sd = found.noise.sd_of_contact().max(ROUNDING * found.frame.scale);
-        let is_near = found.distance(place).abs() <= AGREES_WITHIN * sd;
-        let normal = touch.unit_normal(0).filter(|normal| dot(*normal, *normal) > 0.5);
-        let is_along = normal.zip(found.noise.sd_normal_deg).is_none_or(|(normal, sd)| {
-            let angle = dot(normal, found.at(u, v).1).clamp(-1.0, 1.0).acos().to_degrees();
-            angle <= AGREES_WITHIN * sd.max(ROUNDING.to_degrees())
-        });
-        is_near && is_along && is_within(found.chart(), [u, v])
-    }
-
-    fn recognised(&self) -> Option<&Recognition> {
-        match &self.found.as_ref()?.answer {
-            Answer::Recognised(found) => Some(found),
-            Answer::Adaptive(_) | Answer::Fitted(_) => None,
-        }
-    }
-
-    /// Whether so many touches more call for another look, if a look is due after this share of them.
+    /// Whether so many touches more call for another look, if a look at a simple shape is due after this share of them.
     pub(super) fn is_outgrown(&self, touches: u64, share: f64) -> bool {
-        (touches - self.touches) as f64 > share * self.contacts as f64
+        let share = if self.posterior.is_some() { share } else { UNMOVED * share };
+        let looked_at = self.contacts as f64 - self.moved as f64;
+        (touches - self.touches) as f64 > share * looked_at
     }
 }
 
-/// Whether a place of the chart is one that touches reach, or just beside.
-fn is_within(chart: [[f64; 2]; 2], at: [f64; 2]) -> bool {
-    chart.iter().zip(at).all(|([lo, hi], at)| {
-        let beside = BESIDE * (hi - lo);
-        (lo - beside..=hi + beside).contains(&at)
-    })
+/// How touches move an answer: not that of a spline, of which nothing is predicted.
+fn posterior(found: &Found) -> Option<SequentialPosterior> {
+    match &found.answer {
+        // the growth is the session's to say
+        Answer::Recognised(found) => {
+            let options = SequentialOptions { most_growth: f64::INFINITY, ..SequentialOptions::default() };
+            Some(SequentialPosterior::of(found, options))
+        }
+        Answer::Adaptive(_) | Answer::Fitted(_) => None,
+    }
 }
 
 fn document(found: &Found, input: &Input, took: Duration) -> Result<Box<FitDocument>, String> {

@@ -1,7 +1,7 @@
 //! `palpate live INPUT|SCENE`: touches come one by one, and each is answered on one line.
 //!
 //! ```text
-//! line -> touch -> the touches that count -> look, or the last look stands -> one line -> goal?
+//! line -> touch -> the touches that count -> look, or the last look is moved, or it stands -> one line -> goal?
 //! ```
 //!
 //! A line is never an answer of touches that it has not seen: where the last look stands, the line says of how many touches
@@ -63,7 +63,10 @@ pub(super) struct LiveArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..))]
     window: Option<u32>,
     /// Look at all touches again when they have grown by this share, and whenever one disagrees; 0: after every touch
-    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share, allow_hyphen_values = true)]
+    ///
+    /// Between two looks each touch moves the answer of the last one. Where that is no simple shape it stands, and a fifth of this share
+    /// calls for a look
+    #[arg(long, value_name = "SHARE", default_value_t = 0.25, value_parser = share, allow_hyphen_values = true)]
     refresh: f64,
     /// Where touches may be made next; default: the rectangle of the touches so far, or of a scene's first sweep
     #[arg(long, value_parser = values::domain, value_name = "X0,X1,Y0,Y1", allow_hyphen_values = true)]
@@ -103,7 +106,7 @@ const SAVED_EVERY: Duration = Duration::from_secs(1);
 /// A share of what there is.
 fn share(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok().filter(|share| (0.0..=1e6).contains(share));
-    number.ok_or_else(|| "a share such as 0.05; 0 is after every touch".into())
+    number.ok_or_else(|| "a share such as 0.25; 0 is after every touch".into())
 }
 
 impl LiveArgs {
@@ -174,13 +177,13 @@ impl LiveRun<'_> {
                 Incoming::Said(what) => say(&what),
                 Incoming::Touch(touch) => {
                     let clock = Instant::now();
-                    let outcome = self.session.touch(&touch);
+                    let is_reached = self.session.touch(&touch);
                     self.write_line(clock)?;
                     self.latencies.add(clock.elapsed());
-                    if outcome.is_reached {
+                    if is_reached {
                         return Ok("goal");
                     }
-                    if outcome.is_fresh && self.saved.elapsed() >= SAVED_EVERY {
+                    if self.saved.elapsed() >= SAVED_EVERY {
                         self.save(source)?;
                     }
                 }

@@ -1,7 +1,7 @@
 //! Touches in, answers out: what `palpate live` does between a touch that came and the line that answers it.
 //!
 //! ```text
-//! touch -> the touches that count -> look, or the last look stands -> goal?
+//! touch -> the touches that count -> look, or the last look is moved, or it stands -> goal?
 //! ```
 
 use palpate_geometry::contact::Contacts;
@@ -43,15 +43,6 @@ pub(in crate::cli) struct LiveSession {
     looks: u64,
 }
 
-/// What one touch more came to.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::cli) struct TouchOutcome {
-    /// All touches were looked at.
-    pub(in crate::cli) is_fresh: bool,
-    /// The goal is reached.
-    pub(in crate::cli) is_reached: bool,
-}
-
 impl LiveSession {
     /// Without touches, or with those that an earlier run has kept.
     pub(in crate::cli) fn new(options: LiveOptions, before: Option<LiveState>) -> LiveSession {
@@ -72,8 +63,8 @@ impl LiveSession {
         }
     }
 
-    /// One touch more, and whether it and all others are looked at, or the last look stands.
-    pub(in crate::cli) fn touch(&mut self, touch: &Contacts) -> TouchOutcome {
+    /// One touch more: it and all others are looked at, or it moves the last look, or that stands. Says whether the goal is reached.
+    pub(in crate::cli) fn touch(&mut self, touch: &Contacts) -> bool {
         self.store.push(touch);
         let is_fresh = self.is_due || self.calls_for_a_look(touch);
         if is_fresh {
@@ -81,11 +72,12 @@ impl LiveSession {
         }
         let shape = self.look.as_ref().and_then(LiveLook::shape);
         let is_reached = is_fresh && self.goal.is_reached_by(shape);
-        self.is_due = is_fresh && self.goal.is_near();
-        TouchOutcome { is_fresh, is_reached }
+        // what touches have moved to the goal is confirmed by a look
+        self.is_due = if is_fresh { self.goal.is_near() } else { shape.is_some_and(|shape| self.goal.holds(shape)) };
+        is_reached
     }
 
-    /// What came since the last look has no answer of its own yet: looks once more, where anything did.
+    /// What came since the last look was not looked at with all others yet: looks once more, where anything did.
     pub(in crate::cli) fn finish(&mut self) -> bool {
         let made = self.look.as_ref().map_or(0, |look| look.touches);
         let is_behind = self.store.len() > 0 && made != self.store.touches();
@@ -95,9 +87,9 @@ impl LiveSession {
         is_behind
     }
 
-    fn calls_for_a_look(&self, touch: &Contacts) -> bool {
-        let touches = self.store.touches();
-        self.look.as_ref().is_none_or(|look| look.is_outgrown(touches, self.refresh) || !look.agrees_with(touch))
+    fn calls_for_a_look(&mut self, touch: &Contacts) -> bool {
+        let (touches, refresh) = (self.store.touches(), self.refresh);
+        self.look.as_mut().is_none_or(|look| look.is_outgrown(touches, refresh) || !look.takes(touch))
     }
 
     /// Looks at all touches that count.

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 use ndarray::Array2;
 
 use crate::io::{AnySurface, Input, SupportMap};
-use crate::report::document::{ChosenPart, FitPart, LackOfFitPart, RmsPart, SigmaPart, TriedPart};
+use crate::report::document::{ChosenPart, FitDocument, FitPart, LackOfFitPart, RmsPart, SigmaPart, TriedPart};
 use crate::report::shape_part::shape_part;
 use crate::report::subject::{Source, Subject};
 use crate::report::surface_maps::{Maps, ShownGrid};
@@ -18,7 +18,7 @@ use crate::report::uncertainty;
 use palpate_fitting::fit::FitError;
 use palpate_geometry::contact::{Contacts, Frame, Grid, counted};
 use palpate_geometry::shape::{PointSds, parametric_maps_at, uv_grid};
-use palpate_inference::recognition::{MapPoint, NormalsUse, Pointwise, RecognisedSpline, Recognition};
+use palpate_inference::recognition::{MapPoint, NormalsUse, Pointwise, RecognisedSpline, Recognition, Tried};
 use palpate_world::scene::Truth;
 
 use super::Found;
@@ -240,32 +240,48 @@ fn set_aside(found: &Recognition) -> Vec<String> {
 }
 
 fn chosen(found: &Recognition, surface: &AnySurface, degree: [usize; 2], segments: [usize; 2]) -> ChosenPart {
-    let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
-    let weight = best.map_or(1.0, |t| t.weight);
-    let next = found.tried.iter().find(|t| t.hypothesis != found.hypothesis);
-    let beside = next.map_or(String::new(), |t| format!("; next best: {} ({:.3})", t.hypothesis, t.weight));
     let (surface, frame) = match surface {
         AnySurface::Height(_) => ("height", "keep"),
         AnySurface::Parametric(..) => ("parametric", "auto"),
         AnySurface::Hierarchical(_) => ("adaptive", "keep"),
     };
-    let why = format!("{} explains the contacts best (probability {weight:.3}){beside}", found.hypothesis.described());
     ChosenPart {
         degree: Some(degree),
         segments: Some(segments),
         frame: Some(frame.into()),
         hypothesis: Some(found.hypothesis.name().into()),
-        tried: found
-            .tried
-            .iter()
-            .map(|t| TriedPart {
-                name: t.hypothesis.name().into(),
-                probability: Some(t.weight),
-                k1: Some(t.k1),
-                k2: Some(t.k2),
-                rms: Some(t.rms),
-            })
-            .collect(),
-        ..ChosenPart::new(surface, why)
+        tried: tried(found),
+        ..ChosenPart::new(surface, why(found))
+    }
+}
+
+/// Why this kind was chosen.
+fn why(found: &Recognition) -> String {
+    let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
+    let weight = best.map_or(1.0, |t| t.weight);
+    let next = found.tried.iter().find(|t| t.hypothesis != found.hypothesis);
+    let beside = next.map_or(String::new(), |t| format!("; next best: {} ({:.3})", t.hypothesis, t.weight));
+    format!("{} explains the contacts best (probability {weight:.3}){beside}", found.hypothesis.described())
+}
+
+fn tried(found: &Recognition) -> Vec<TriedPart> {
+    let one = |t: &Tried| TriedPart {
+        name: t.hypothesis.name().into(),
+        probability: Some(t.weight),
+        k1: Some(t.k1),
+        k2: Some(t.k2),
+        rms: Some(t.rms),
+    };
+    found.tried.iter().map(one).collect()
+}
+
+/// Puts what touches have moved since it was recognised into a document of it: S, R, class, radius and kinds. Surface, noise and remarks
+/// stay.
+pub(crate) fn move_document(document: &mut FitDocument, found: &Recognition) {
+    document.contacts = found.contacts + found.outliers;
+    document.shape = shape_part(&found.shape(), found.grid, found.curvedness.level);
+    [document.fit.equations, document.fit.unknowns] = size(found);
+    if let Some(chosen) = &mut document.fit.chosen {
+        (chosen.why, chosen.tried) = (why(found), tried(found));
     }
 }

@@ -28,6 +28,15 @@ impl CoarseGrid {
         rows.iter().flat_map(|i| columns.iter().map(move |j| i * self.columns + j)).collect()
     }
 
+    /// Where the chosen rows and columns lie in the map, 0 to 1.
+    pub(super) fn shares(&self, [n, m]: [usize; 2]) -> [Vec<f64>; 2] {
+        let [rows, columns] = &self.lines;
+        [(rows, n), (columns, m)].map(|(lines, count)| {
+            let steps = count.saturating_sub(1).max(1) as f64;
+            lines.iter().map(|line| *line as f64 / steps).collect()
+        })
+    }
+
     /// Values at point `number` of the map, from those at the chosen points.
     pub(super) fn between<const N: usize>(&self, chosen: &[[f64; N]], number: usize) -> [f64; N] {
         let [(i, s), (j, t)] = [(0, number / self.columns), (1, number % self.columns)].map(|(k, at)| self.cell(k, at));

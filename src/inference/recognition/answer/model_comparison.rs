@@ -4,31 +4,14 @@
 //! probability of a kind = sum of the weights of its nodes         rms = root mean square distance of the contacts from its likeliest surface
 //! ```
 
-use crate::recognition::discrepancy::Body;
 use crate::recognition::evidence::{self, Node, curvatures};
-use crate::recognition::kinds::{Kind, Model};
+use crate::recognition::kinds::Model;
 use crate::recognition::start::weighted_rms;
 use crate::recognition::{Hypothesis, Tried};
 
 use super::inference::Findings;
 use super::normalised_weights::total;
 use super::posterior::likeliest;
-
-/// Hypothesis of a node.
-pub(super) fn hypothesis_of(node: &Node) -> Hypothesis {
-    match node.kind {
-        Kind::Plane => Hypothesis::Plane,
-        Kind::Sphere => Hypothesis::Sphere,
-        Kind::Cylinder => Hypothesis::Cylinder,
-        Kind::General if node.is_displaced() => match node.departure.body() {
-            None => Hypothesis::Displaced,
-            Some(Body::Quadric) => Hypothesis::Quadric,
-            Some(Body::TorusAlongU | Body::TorusAlongV) => Hypothesis::Torus,
-        },
-        Kind::General => Hypothesis::General,
-        Kind::Paraboloid => Hypothesis::Paraboloid,
-    }
-}
 
 impl Findings<'_> {
     /// All hypotheses that have a node, likeliest first.
@@ -37,7 +20,7 @@ impl Findings<'_> {
         let mut out: Vec<Tried> = Hypothesis::ALL
             .into_iter()
             .filter_map(|hypothesis| {
-                let own = |n: &Node| hypothesis_of(n) == hypothesis;
+                let own = |n: &Node| n.hypothesis() == hypothesis;
                 let best = evidence::likeliest(self.nodes.iter().filter(|n| own(n)))?;
                 let model = self.evidence.models.iter().find(|m| m.kind() == best.kind)?;
                 let [k1, k2] = curvatures(model, &best.x).map(|k| k / scale);

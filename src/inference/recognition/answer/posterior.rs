@@ -29,13 +29,14 @@ use crate::dense;
 use crate::recognition::discrepancy::{ChartPoint, State};
 use crate::recognition::evidence::{Evidence, Node};
 use crate::recognition::kinds::Kind;
-use crate::recognition::region::{Place, PredictiveDraw, measured, predicted};
+use crate::recognition::region::{Place, PosteriorDraws, PredictiveDraw, measured, predicted};
 use crate::recognition::{Estimate, RecognitionOptions};
 use palpate_geometry::curvature::ShapeClass;
 use palpate_numeric::draws::EffectDraws;
 use palpate_numeric::statistics::standard_deviation;
 use palpate_numeric::threads;
 
+use super::kept_draws::kept_draws;
 use super::posterior_samples::{Drawn, classes, interval_of, pointwise, within_deg};
 use super::shape_means::{Field, Points};
 use super::weights::Weights;
@@ -76,6 +77,8 @@ pub(super) struct Summary {
     pub(super) directions_within_deg: Option<[f64; 2]>,
     /// Draws with what touches would measure on them; empty where none was asked for.
     pub(super) predictive: Vec<PredictiveDraw>,
+    /// Draws of all kinds over the points asked for.
+    pub(super) draws: PosteriorDraws,
 }
 
 impl Summary {
@@ -208,6 +211,7 @@ fn all_drawn(
         let over_map = states[..predicted(states.len())].iter().map(|state| measured(state, reference)).collect();
         Some(Drawn {
             kind: node.kind,
+            hypothesis: node.hypothesis(),
             displaced: node.is_displaced() && !node.is_body(),
             smooth: node.departure.is_smooth(),
             natural: node.is_natural(),
@@ -274,6 +278,7 @@ pub(super) fn summary(
             first.zip(second).map(|(first, second)| [first, second])
         }),
         u: pointwise(&found, points.map.len()),
+        draws: kept_draws(&found, &reference),
         predictive: predictive(found),
         surface,
     })

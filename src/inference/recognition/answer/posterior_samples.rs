@@ -6,6 +6,7 @@
 //! mirrored draw   = 2 likeliest - draw
 //! ```
 
+use crate::recognition::Hypothesis;
 use crate::recognition::discrepancy::Body;
 use crate::recognition::kinds::Kind;
 use palpate_geometry::curvature::ShapeClass;
@@ -18,6 +19,7 @@ use super::weights::HEARD;
 /// Everything drawn for one node.
 pub(super) struct Drawn {
     pub(crate) kind: Kind,
+    pub(super) hypothesis: Hypothesis,
     pub(super) displaced: bool,
     /// Whether it departs smoothly.
     pub(super) smooth: bool,

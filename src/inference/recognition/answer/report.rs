@@ -1,11 +1,13 @@
 //! The answer in the input's coordinates and units: the map, the class, the radii, the noise and the words.
 
+use std::sync::Arc;
+
 use crate::dense;
 use crate::recognition::contacts::Dropped;
 use crate::recognition::discrepancy::{ChartPoint, State};
 use crate::recognition::evidence::Node;
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::region::{PatchSurface, Region, places};
+use crate::recognition::region::{DrawnLattice, DrawnShape, PatchSurface, PosteriorDraws, Region, places};
 use crate::recognition::{
     Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, Remark,
 };
@@ -15,7 +17,7 @@ use palpate_geometry::shape::radius_of;
 use super::coarse_grid::CoarseGrid;
 use super::inference::Findings;
 use super::misfit::{self, misfit};
-use super::model_comparison::{hypothesis_of, reported};
+use super::model_comparison::reported;
 use super::normalised_weights::total;
 use super::posterior::{Summary, likeliest, summary};
 use super::shape_means::Points;
@@ -59,7 +61,7 @@ impl Findings<'_> {
     pub(crate) fn recognition(&self, options: &RecognitionOptions) -> Result<Recognition, RecognitionError> {
         let tried = self.tried();
         let hypothesis = reported(&tried).ok_or_else(|| failed("comparison of hypotheses"))?;
-        let own = self.nodes.iter().zip(&self.weights.estimate).filter(|(n, _)| hypothesis_of(n) == hypothesis);
+        let own = self.nodes.iter().zip(&self.weights.estimate).filter(|(n, _)| n.hypothesis() == hypothesis);
         let (best, _) = own.max_by(|a, b| a.1.total_cmp(b.1)).ok_or_else(|| failed("comparison of hypotheses"))?;
         let state = likeliest(self.evidence, best).ok_or_else(|| failed("likeliest surface"))?;
         let misfit = self.misfit(best, &state)?;
@@ -137,6 +139,7 @@ impl Findings<'_> {
             side_known: !notes.iter().any(Remark::leaves_side_open),
             notes,
             predictive: found.predictive.into_iter().map(|draw| draw.scaled(scale)).collect(),
+            draws: self.draws(found.draws, options.grid),
             misfit,
         })
     }
@@ -226,6 +229,17 @@ impl Findings<'_> {
             }
         };
         points.iter().enumerate().map(one).collect()
+    }
+
+    /// Draws over the map, in the input's units and axes.
+    fn draws(&self, own: PosteriorDraws, grid: [usize; 2]) -> Arc<PosteriorDraws> {
+        let scale = self.patch.frame.scale;
+        let one = |shape: DrawnShape| DrawnShape { curvedness: shape.curvedness / scale, ..shape };
+        let lines = CoarseGrid::of(grid, MAPPED).shares(grid);
+        Arc::new(PosteriorDraws {
+            shapes: own.shapes.into_iter().map(one).collect(),
+            lattice: own.lattice.map(|lattice| DrawnLattice { lines, ..lattice }.in_input(&self.patch.frame)),
+        })
     }
 
     /// Directions of k1 and of k2 in the middle of the cells, input axes.

@@ -8,6 +8,7 @@ use std::mem::discriminant;
 
 use faer::Mat;
 
+use crate::recognition::Hypothesis;
 use crate::recognition::discrepancy::Body;
 use crate::recognition::kinds::Kind;
 
@@ -124,6 +125,22 @@ impl Node {
             (Kind::General, Departure::Rough(_) | Departure::Both(_) | Departure::Smooth { .. }) => 2,
             (Kind::General | Kind::Paraboloid, _) => 1,
             _ => 0,
+        }
+    }
+
+    /// What it is called in the answer.
+    pub(crate) fn hypothesis(&self) -> Hypothesis {
+        match self.kind {
+            Kind::Plane => Hypothesis::Plane,
+            Kind::Sphere => Hypothesis::Sphere,
+            Kind::Cylinder => Hypothesis::Cylinder,
+            Kind::General if self.is_displaced() => match self.departure.body() {
+                None => Hypothesis::Displaced,
+                Some(Body::Quadric) => Hypothesis::Quadric,
+                Some(Body::TorusAlongU | Body::TorusAlongV) => Hypothesis::Torus,
+            },
+            Kind::General => Hypothesis::General,
+            Kind::Paraboloid => Hypothesis::Paraboloid,
         }
     }
 

@@ -6,9 +6,10 @@
 //! ```
 //!
 //! `surface.rs` comes first, then `support.rs`. `over_plane.rs` finds the surface over given x and y, and `map.rs` chooses the points.
-//! `predictive.rs` says what touches at other places would measure.
+//! `predictive.rs` says what touches at other places would measure, and `posterior_draws.rs` where the drawn surfaces lie.
 
 mod map;
+mod posterior_draws;
 mod predictive;
 mod projected_grid;
 mod recognised;
@@ -16,6 +17,7 @@ mod support;
 mod surface;
 
 pub(crate) use map::Region;
+pub(crate) use posterior_draws::{DrawnLattice, DrawnOffset, DrawnShape, PosteriorDraws, normalise};
 pub use predictive::PredictiveDraw;
 pub(crate) use predictive::{Place, measured, places, predicted};
 pub use recognised::RecognisedSurface;

@@ -47,6 +47,11 @@ impl Place {
         let first = unit(cross(normal, across));
         Place { point, foot, normal, tangents: [first, cross(normal, first)] }
     }
+
+    /// The axes along which a touch there is measured.
+    pub(crate) fn tangents(&self) -> [Vector; 2] {
+        self.tangents
+    }
 }
 
 impl PredictiveDraw {

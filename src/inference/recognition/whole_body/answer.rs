@@ -7,6 +7,7 @@ use palpate_numeric::vector::{Vector, cross, dot, norm, reject, unit_or_zero};
 
 use super::drawn_map::DrawnMap;
 use super::exchanged_axes::agreeing_order;
+use super::kept_draws::{is_flat, kept_draws};
 use super::predicted_touches::predicted_over;
 use crate::bodies::{BodyChart, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Tuning, drawn, spread};
 use crate::primitives::placed::{PartKind, Primitive};
@@ -135,7 +136,7 @@ impl BodyAnswer<'_> {
         let has_radius = is_round && !is_free && class != ShapeClass::Plane;
         let radius = has_radius.then(|| self.length(&primitive, &draws, 0));
         let found = Recognition {
-            hypothesis: if is_free { Hypothesis::Displaced } else { hypothesis_of(likeliest.kind) },
+            hypothesis: if is_free { Hypothesis::Displaced } else { Hypothesis::from(likeliest.kind) },
             class,
             class_probability: classes(&draws, &shapes),
             shape_index: shape,
@@ -178,6 +179,7 @@ impl BodyAnswer<'_> {
             notes: self.notes(&primitive, &draws, &side, is_free),
             side_known: side.known,
             predictive,
+            draws: kept_draws(&draws, &shapes, &primitive, scale).into(),
         };
         Ok(if side.known { found } else { super::of_either_side(found) })
     }
@@ -251,7 +253,7 @@ impl BodyAnswer<'_> {
             let members = self.posterior.members_of(kind);
             let square: f64 = members.iter().map(|&i| primitive.nearest(self.sample.points[i]).0.powi(2)).sum();
             Some(Tried {
-                hypothesis: hypothesis_of(kind),
+                hypothesis: Hypothesis::from(kind),
                 weight: self.posterior.weight_of(kind),
                 k1,
                 k2,
@@ -279,7 +281,7 @@ impl BodyAnswer<'_> {
         let words = if 1.0 - exact > self.options.tuning.certain {
             format!(
                 "neighbouring contacts depart together from {}, by {:.2} % of the size of what was touched",
-                hypothesis_of(kind).described(),
+                Hypothesis::from(kind).described(),
                 100.0 * departure
             )
         } else {
@@ -303,18 +305,6 @@ impl BodyAnswer<'_> {
             _ => {}
         }
         notes
-    }
-}
-
-/// The kind's word among all hypotheses.
-pub(super) fn hypothesis_of(kind: PartKind) -> Hypothesis {
-    match kind {
-        PartKind::Plane | PartKind::Patch => Hypothesis::Plane,
-        PartKind::Sphere => Hypothesis::Sphere,
-        PartKind::Cylinder => Hypothesis::Cylinder,
-        PartKind::Cone => Hypothesis::Cone,
-        PartKind::Torus => Hypothesis::Torus,
-        PartKind::Ellipsoid => Hypothesis::Quadric,
     }
 }
 
@@ -369,11 +359,6 @@ fn free_form(draws: &[DrawnBase], members: &[Vector], tuning: &Tuning) -> f64 {
         }
     };
     draws.iter().filter(is_other).map(|d| d.share).sum()
-}
-
-/// A plane that departs from nothing.
-fn is_flat(drawn: &DrawnBase) -> bool {
-    drawn.primitive.kind == PartKind::Plane && !drawn.departs()
 }
 
 /// Shares of the draws in every class.

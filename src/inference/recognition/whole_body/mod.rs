@@ -10,6 +10,7 @@
 mod answer;
 mod drawn_map;
 mod exchanged_axes;
+mod kept_draws;
 mod predicted_touches;
 
 use std::f64::consts::{E, PI};
@@ -195,7 +196,7 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
 fn is_simpler(posterior: &BodyPosterior, found: &Recognition, sample: &BodySample, tuning: &Tuning) -> bool {
     let scatter = posterior.best_of(posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
     let least = if found.hypothesis == Hypothesis::Displaced { 1.0 } else { tuning.sharper };
-    let is_other = answer::hypothesis_of(posterior.kind()) != found.hypothesis;
+    let is_other = Hypothesis::from(posterior.kind()) != found.hypothesis;
     let is_nearer = is_other && sample.frame.scale * scatter <= least * found.noise.sd_of_contact();
     posterior.weight_without_departure() > 0.5 && (posterior.weight_of(PartKind::Cone) >= 0.5 || is_nearer)
 }
