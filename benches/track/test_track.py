@@ -7,6 +7,7 @@ import unittest
 from changes import LEAST_COUNT, of_counts, of_pairs
 from measure import read_counts
 from page import page, series
+from track import halved
 
 PAIRS = 30
 
@@ -63,6 +64,35 @@ def commits():
             "counts": {"fit": count}, "seconds": {"study": change.__dict__}, "program_bytes": 20_000_000, "accuracy": {"bar, S": 0.01},
         })
     return lines
+
+
+class Halving(unittest.TestCase):
+    def test_a_stretch_that_differs_is_halved_until_the_change_lies_between_neighbours(self):
+        names = [f"{k:02}" for k in range(50)]
+        compiled = []
+
+        def measured(commit):
+            compiled.append(commit)
+            return {"commit": commit, "counts": {"fit": 1_000_000 if int(commit) < 29 else 1_020_000}, "accuracy": {"bar, S": 0.01}}
+
+        def compared(before, after):
+            slower = int(before) < 41 <= int(after)
+            return {"study": {"ratio": 1.05 if slower else 1.0, "lo": 1.0, "hi": 1.06, "alarm": slower}}
+
+        lines = halved(names, measured, compared)
+        found = [line["commit"] for line in lines]
+        self.assertEqual(found, sorted(found))
+        self.assertTrue({"00", "28", "29", "40", "41", "49"} <= set(found))
+        self.assertEqual(sorted(compiled), found)
+        self.assertLess(len(found), 16)
+        marked = {key: [found[point[0]] for point in points if point[4]] for key, points in series(lines).items()}
+        self.assertEqual((marked["counts", "fit"], marked["seconds", "study"]), (["29"], ["41"]))
+
+    def test_one_commit_and_commits_that_are_alike_are_measured_at_their_ends(self):
+        measured = lambda commit: {"commit": commit, "counts": {"fit": 1}}
+        compared = lambda before, after: {"study": {"ratio": 1.0, "lo": 1.0, "hi": 1.0, "alarm": False}}
+        self.assertEqual(len(halved(["a"], measured, compared)), 1)
+        self.assertEqual([line["commit"] for line in halved(list("abcdefg"), measured, compared)], ["a", "g"])
 
 
 class Pages(unittest.TestCase):

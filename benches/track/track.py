@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How fast, large and accurate palpate is, commit by commit.
 
-    python benches/track/track.py COMMIT|A..B [--last N] [--file target/track/track.jsonl] [--page target/track/track.html]
+    python benches/track/track.py COMMIT|A..B [--last N] [--halve] [--file target/track/track.jsonl] [--page target/track/track.html]
     python benches/track/track.py --page FILE.html --only-page
     python benches/track/track.py --self-check PROGRAM [--record benches/runs]
     cargo bench --bench counts | python benches/track/track.py --counts -
@@ -9,6 +9,10 @@
 Each commit is built in a tree of its own, and one JSON line is appended for it: counts (`cargo bench --bench counts`), criterion's benches
 (`--criterion hot_path`), seconds of compiling its crates, bytes of the program, errors where the truth is known, and the processor time of
 a few commands beside its parent's, in turn. A commit that has a line on this machine already is left out. The page draws them all.
+
+`--halve` measures both ends, and of every stretch whose ends differ by more than noise the commit in the middle, until each change lies
+between two neighbours: of fifty commits that change little a handful is compiled. What lies between two that are alike is taken to be like
+them, so that a change that is taken back again in between stays unseen.
 
 `--counts FILE` appends a line of the counts alone that were printed for the commit that is checked out, as `.ci/run` does.
 `--built COMMIT=PROGRAM` takes a program that is there, and leaves out what needs a build. `--self-check` compares a program a hundred times
@@ -42,7 +46,7 @@ def read(file):
 
 
 def line_of(commit, built, before, arguments):
-    """The line of a commit; `before` is the parent's program, where there is one."""
+    """The line of a commit; `before` is the program of the one before it, where there is one."""
     line = {**measure.describe(commit), "machine": machine()}
     line["program_bytes"] = built["program"].stat().st_size
     line["accuracy"] = measure.accuracy(built["program"])
@@ -51,11 +55,58 @@ def line_of(commit, built, before, arguments):
         line["counts"] = measure.counts(built)
         line["criterion"] = measure.criterion(built, arguments.criterion)
     if before is not None:
-        line["seconds"] = {}
-        for name, words in measure.COMMANDS.items():
-            change = of_pairs(measure.paired((before, words), (built["program"], words), arguments.pairs))
-            line["seconds"][name] = change.__dict__
+        line["seconds"] = seconds(before, built["program"], arguments.pairs)
     return line
+
+
+def seconds(before, after, pairs):
+    """What the commands take of one program over another."""
+    timed = lambda words: of_pairs(measure.paired((before, words), (after, words), pairs)).__dict__
+    return {name: timed(words) for name, words in measure.COMMANDS.items()}
+
+
+def differ(before, after):
+    """Whether a number of two lines differs by more than noise; `after` holds the seconds of both."""
+    both = [(before.get(kind, {}), after.get(kind, {})) for kind in ("counts", "accuracy")]
+    exact = [of_counts(old[name], new[name]).alarm for old, new in both for name in old.keys() & new.keys()]
+    return any(exact) or any(change["alarm"] for change in after["seconds"].values())
+
+
+def halved(commits, measured, compared):
+    """Lines of some of these commits, in order, so that no change lies within a stretch.
+
+    `measured(commit)` is the line of a commit without seconds, `compared(a, b)` the seconds of b over those of a.
+    """
+    lines = {commit: measured(commit) for commit in {commits[0]: None, commits[-1]: None}}
+    stretches = [(0, len(commits) - 1)] if len(commits) > 1 else []
+    while stretches:
+        first, last = stretches.pop()
+        after = lines[commits[last]]
+        after["seconds"] = compared(commits[first], commits[last])
+        if last - first > 1 and differ(lines[commits[first]], after):
+            middle = (first + last) // 2
+            lines[commits[middle]] = measured(commits[middle])
+            stretches += [(middle, last), (first, middle)]
+    return [lines[commit] for commit in commits if commit in lines]
+
+
+def track_halving(arguments):
+    room = measure.ROOT / "target" / "track"
+    programs = {}
+
+    def measured(commit):
+        own = measure.build(commit, room)
+        programs[commit] = own["program"]
+        line = line_of(commit, own, None, arguments)
+        measure.drop(own["tree"])
+        print(commit[:9], line["subject"], flush=True)
+        return line
+
+    commits = measure.commits(arguments.commits, arguments.last)
+    lines = halved(commits, measured, lambda a, b: seconds(programs[a], programs[b], arguments.pairs))
+    for line in lines:
+        append(arguments.file, line)
+    print(f"{len(lines)} of {len(commits)} commits measured")
 
 
 def track(arguments):
@@ -118,6 +169,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("commits", nargs="?", default="HEAD")
     parser.add_argument("--last", type=int, default=1, help="commits up to the one that is named")
+    parser.add_argument("--halve", action="store_true", help="leave out what lies between two commits that are alike")
     parser.add_argument("--file", type=pathlib.Path, default=measure.ROOT / "target" / "track" / "track.jsonl")
     parser.add_argument("--page", type=pathlib.Path, default=measure.ROOT / "target" / "track" / "track.html")
     parser.add_argument("--only-page", action="store_true")
@@ -141,7 +193,7 @@ def main():
     if arguments.counts:
         append(arguments.file, counted(measure.read_counts(arguments.counts.read())))
     elif not arguments.only_page:
-        track(arguments)
+        (track_halving if arguments.halve else track)(arguments)
     lines = read(arguments.file)
     if lines:
         arguments.page.parent.mkdir(parents=True, exist_ok=True)
