@@ -1,7 +1,7 @@
 //! A smooth displacement f along the normal of the general surface: how the shape departs from two constant curvatures.
 //!
 //! ```text
-//! f(u, v) = sum_ij c_ij N_i(u) N_j(v)        degree 4, 5 x 5 segments over the chart, 81 coefficients
+//! f(u, v) = sum_ij c_ij N_i(u) N_j(v)        degree 4, segments as the resolution has them
 //! prior of f:  exp(-1/(2 g s^2) sum_k binom(3, k) int (D_u^k D_v^(3-k) f)^2)
 //! ```
 //!
@@ -25,13 +25,10 @@ use palpate_numeric::linalg;
 use super::basis::{DEGREE, JetRow, WIDTH};
 use super::bodies::{self, Body, Forms};
 use super::cell_charts::CellCharts;
+use super::resolution::DepartureResolution;
 use super::{polynomial_prior, smooth};
 
 use palpate_numeric::vector::Vector;
-
-/// Segments each way. Three are too few for a sum of bumps that is touched with little noise: what they cannot follow is
-/// then taken for shared errors. Five take twice the time.
-const SEGMENTS: usize = 5;
 
 /// Order of the derivatives that are penalised.
 const ORDER: usize = 3;
@@ -57,7 +54,7 @@ const MARGIN: f64 = 0.02;
 #[derive(Clone, Debug)]
 pub(crate) struct Displacement {
     knots: [Knots; 2],
-    /// 81 x columns.
+    /// Coefficients x columns.
     to_coefficients: Mat<f64>,
     /// Number of columns with the prior above.
     pub(crate) rough: usize,
@@ -93,13 +90,15 @@ impl Displacement {
         cells: &Cells,
         contacts: &[Vector],
         forms: &Forms,
+        resolution: DepartureResolution,
     ) -> Option<Displacement> {
         let charts: Vec<[f64; 2]> = cells.points.iter().map(|p| surface.chart(*p)).collect();
         if charts.len() < FEWEST_CELLS || charts.iter().any(|c| surface.form().width(c[0]).abs() < POLE) {
             return None;
         }
         let outline: Vec<[f64; 2]> = contacts.iter().map(|p| surface.chart(*p)).collect();
-        let knots = [knots_over(&outline, 0)?, knots_over(&outline, 1)?];
+        let segments = resolution.segments();
+        let knots = [knots_over(&outline, 0, segments)?, knots_over(&outline, 1, segments)?];
         let mut rough = penalised_columns(&knots)?;
         let means = CellCharts::new(surface, &outline, cells);
         let at_cells = |columns: &Mat<f64>| {
@@ -127,8 +126,8 @@ impl Displacement {
             normals: None,
             quadratic: Quadratic { positions: means.quadratic(), normals: None },
         };
-        for process in smooth::all() {
-            let weights = smooth::weights(surface, &made.knots, &rough, process);
+        for process in smooth::all(resolution) {
+            let weights = process.and_then(|process| smooth::weights(surface, &made.knots, &rough, process));
             made.add_smooth(&rough, &positions, &weights.unwrap_or_else(|| Mat::zeros(rough.ncols(), 0)));
         }
         // over a plane a body is none of what departs from two constant curvatures
@@ -222,11 +221,11 @@ impl Displacement {
     }
 }
 
-fn knots_over(charts: &[[f64; 2]], side: usize) -> Option<Knots> {
+fn knots_over(charts: &[[f64; 2]], side: usize, segments: usize) -> Option<Knots> {
     let lo = charts.iter().map(|c| c[side]).fold(f64::INFINITY, f64::min);
     let hi = charts.iter().map(|c| c[side]).fold(f64::NEG_INFINITY, f64::max);
     let margin = MARGIN * (hi - lo);
-    Knots::uniform(DEGREE, SEGMENTS, lo - margin, hi + margin).ok()
+    Knots::uniform(DEGREE, segments, lo - margin, hi + margin).ok()
 }
 
 /// One of the six numbers of the jet at every chart point (rows), for every column of the displacement.

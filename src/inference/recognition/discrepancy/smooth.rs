@@ -1,7 +1,7 @@
 //! A smooth departure: a Gaussian process with a squared exponential kernel, held by the displacement's own splines.
 //!
 //! ```text
-//! cov(f(p), f(q)) = g s^2 exp(-|p - q|^2/(2 l^2))            l = 1 and 2 half sides of the chart's box, p and q in the chart
+//! cov(f(p), f(q)) = g s^2 exp(-|p - q|^2/(2 l^2))            l: half sides of the chart's box, p and q in the chart
 //! K_u = Q L Q'  over the Greville sites of u,   F_u = B_u^-1 Q L^(1/2)   B_u the basis at the sites;  v alike
 //! c = (F_u o F_v) z,   z ~ N(0, 1)                           coefficients of the spline through such a process, o Kronecker
 //! weights of the rough columns = what c is but for terms of second degree, which the surface's own parameters hold
@@ -29,11 +29,11 @@ use crate::recognition::kinds::ConstantCurvature;
 use palpate_numeric::bspline::Knots;
 use palpate_numeric::linalg;
 
+use super::resolution::DepartureResolution;
 use super::rotational_process;
 
-/// Lengths of the kernel, half sides of the chart's box. With a length of 0.7 beside them, S of a bump is 0.01 too high, and the work
-/// is a third more; with 4 nothing changes.
-const LENGTHS: [f64; 2] = [1.0, 2.0];
+/// Lengths of the kernel, half sides of the chart's box; with 4 nothing changes.
+const LENGTHS: [f64; 3] = [1.0, 2.0, 0.5];
 
 /// Share of the largest variance below which a direction of the process is left out: at the sizes that are tried, rounding.
 const ROUNDING: f64 = 1e-12;
@@ -52,9 +52,10 @@ pub(super) enum Form {
 /// Forms that are tried.
 const FORMS: [Form; 4] = [Form::Free, Form::Drawn(0), Form::Drawn(1), Form::Turned];
 
-/// All forms with all lengths.
-pub(crate) fn all() -> impl Iterator<Item = (Form, f64)> {
-    FORMS.into_iter().flat_map(|form| LENGTHS.map(|length| (form, length)))
+/// All forms with all lengths; `None` where this resolution does not hold the length.
+pub(crate) fn all(resolution: DepartureResolution) -> impl Iterator<Item = Option<(Form, f64)>> {
+    let held = move |form| LENGTHS.map(|length| resolution.holds(length).then_some((form, length)));
+    FORMS.into_iter().flat_map(held)
 }
 
 /// Whether the process of this number may vary in every direction.

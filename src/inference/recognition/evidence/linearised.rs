@@ -7,7 +7,7 @@
 use faer::Mat;
 
 use crate::recognition::contacts::Cells;
-use crate::recognition::discrepancy::{Displacement, Forms};
+use crate::recognition::discrepancy::{DepartureResolution, Displacement, Forms};
 use crate::recognition::equations::{Moved, Rows, first_of_displacement};
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::noise::{Factors, Gain, NormalNoise};
@@ -46,6 +46,8 @@ pub(super) struct NormalsTold {
 pub(crate) struct Linearised {
     pub(crate) models: Vec<Model>,
     pub(super) displacement: Option<Displacement>,
+    /// How finely it may vary.
+    pub(super) resolution: DepartureResolution,
     pub(crate) rows: Rows,
     pub(crate) normal_noise: Option<NormalNoise>,
     /// Gram matrix of the whitened normal rows.
@@ -59,11 +61,20 @@ pub(crate) struct Linearised {
 impl Linearised {
     /// Equations about these models.
     pub(crate) fn new(cells: &Cells, contacts: &[Vector], models: Vec<Model>, factors: &FactorPair) -> Linearised {
-        let displacement = displacement_of(&models, cells, contacts, &Forms::default());
+        let resolution = DepartureResolution::default();
+        let displacement = displacement_of(&models, cells, contacts, &Forms::default(), resolution);
         let rows = Rows::new(cells, &models, displacement.as_ref());
         let noise = NormalNoise::find(&rows, factors.normals(), 0.0);
-        let mut made =
-            Linearised { models, displacement, rows, normal_noise: None, normals: None, gain: None, over_plane: None };
+        let mut made = Linearised {
+            models,
+            displacement,
+            resolution,
+            rows,
+            normal_noise: None,
+            normals: None,
+            gain: None,
+            over_plane: None,
+        };
         made.weigh_normals(noise, factors);
         made
     }
@@ -137,7 +148,7 @@ impl Linearised {
         factors: &FactorPair,
     ) -> Option<Linearised> {
         let models = self.models_with(moved);
-        let displacement = displacement_of(&models, cells, contacts, &moved.forms)?;
+        let displacement = displacement_of(&models, cells, contacts, &moved.forms, self.resolution)?;
         let mut rows = Rows::new(cells, &models, Some(&displacement));
         moved.average(&mut rows, cells, contacts);
         moved.lengthen(&mut rows, cells);
@@ -146,7 +157,16 @@ impl Linearised {
             rows.bend_by(&displacement.quadratic);
         }
         let (displacement, gain) = (Some(displacement), self.gain.clone());
-        let mut made = Linearised { models, displacement, rows, normal_noise: None, normals: None, gain, over_plane };
+        let mut made = Linearised {
+            models,
+            displacement,
+            resolution: self.resolution,
+            rows,
+            normal_noise: None,
+            normals: None,
+            gain,
+            over_plane,
+        };
         made.scatter_about(moved, cells, factors);
         Some(made)
     }
@@ -166,9 +186,15 @@ impl Linearised {
 }
 
 /// The displacement about the general surface, where the data and its chart allow one.
-fn displacement_of(models: &[Model], cells: &Cells, contacts: &[Vector], forms: &Forms) -> Option<Displacement> {
+fn displacement_of(
+    models: &[Model],
+    cells: &Cells,
+    contacts: &[Vector],
+    forms: &Forms,
+    resolution: DepartureResolution,
+) -> Option<Displacement> {
     match models.iter().find(|m| m.kind() == Kind::General) {
-        Some(Model::Constant(_, surface)) => Displacement::new(surface, cells, contacts, forms),
+        Some(Model::Constant(_, surface)) => Displacement::new(surface, cells, contacts, forms, resolution),
         _ => None,
     }
 }

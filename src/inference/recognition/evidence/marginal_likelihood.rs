@@ -145,7 +145,8 @@ impl<'a> Evidence<'a> {
                 -displaced - 2.0 * LN_2 - (POWERS.count() as f64).ln()
             }
             (Kind::General, Departure::Smooth { .. }) => {
-                let processes = self.displacement.map_or(1, |d| d.smooth.len());
+                let processes =
+                    self.displacement.map_or(1, |d| d.smooth.iter().filter(|(_, count)| *count > 0).count());
                 -displaced - 2.0 * LN_2 - ((POWERS.count() * processes) as f64).ln()
             }
             (Kind::General, Departure::Body(Body::Quadric)) => -displaced - 2.0 * LN_2,

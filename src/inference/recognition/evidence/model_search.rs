@@ -2,13 +2,14 @@
 //! surface that departs from a plane, or with normals that are all too steep.
 //!
 //! ```text
-//! looks: plain -> displaced where likely (second_look.rs) -> normals believed -> over a plane (over_plane.rs)
-//!        -> a gain of the normals (noise/gain.rs)
+//! looks: plain -> displaced where likely (relinearise.rs) -> normals believed -> a finer displacement
+//!        -> over a plane (discrepancy_over_plane.rs) -> a gain of the normals (noise/gain.rs)
 //! taken: the last whose highest log evidence, less log(20) for a gain, exceeds that of the look before;
 //!        a gain only where the log likelihood of its likeliest surface does so, too
 //! ```
 
 use crate::recognition::contacts::Cells;
+use crate::recognition::discrepancy::DepartureResolution;
 use crate::recognition::equations::slopes;
 use crate::recognition::noise::{Limit, RARE_GAIN};
 
@@ -50,6 +51,15 @@ impl<'a> SearchContext<'a> {
     fn again(&self, plain: &Linearised, nodes: &[Node]) -> Option<Linearised> {
         let moved = moved(plain, nodes, self.cells, self.factors, self.limit)?;
         taken(plain, &moved, self.cells, self.contacts, self.factors, self.limit)
+    }
+
+    /// The same equations about a finer displacement, where the likeliest surface is displaced.
+    fn finer(&self, chosen: &SearchedModel) -> Option<Linearised> {
+        let (made, (_, nodes)) = chosen;
+        likeliest_node(chosen).filter(|node| node.is_displaced())?;
+        let moved = moved(made, nodes, self.cells, self.factors, self.limit)?;
+        let fine = Linearised { resolution: DepartureResolution::Fine, ..(*made).clone() };
+        taken(&fine, &moved, self.cells, self.contacts, self.factors, self.limit)
     }
 
     /// What one kernel says of these equations: those about the displaced surface, where a displacement is likely, and the highest log
@@ -154,6 +164,12 @@ pub(crate) fn likeliest_look<T>(
     let believed = with_normals_believed(chosen.0, plain, at.cells, at.contacts, at.factors, at.limit);
     if let Some((believed, _)) = believed.as_ref().filter(|(_, log_evidence)| *log_evidence > height(&chosen)) {
         chosen = at.see(believed, Look::Second);
+    }
+    let finer = at.finer(&chosen);
+    if let Some(seen) =
+        finer.as_ref().map(|finer| at.see(finer, Look::Second)).filter(|seen| height(seen) > height(&chosen) + CLEAR)
+    {
+        chosen = seen;
     }
     let is_displaced = likeliest_node(&chosen).is_some_and(Node::is_displaced);
     let is_shape = is_displaced && !may_be_error(chosen.0, &chosen.1.0, &chosen.1.1);
