@@ -63,7 +63,7 @@ def test_the_answer_is_that_of_the_program(noisy: Columns, tmp_path: Path, flags
 def test_the_maps_are_those_of_the_program(noisy: Columns, tmp_path: Path, flags: list[str], words: dict) -> None:
     by_program(noisy, tmp_path, "--out", str(tmp_path / "out"), *flags)
     here, there = palpate.fit(noisy, **words).maps(), np.load(tmp_path / "out" / "maps.npz")
-    assert set(here) == set(there.files) and {"u_position", "u_normal_deg", "u_S", "u_R"} < set(here)
+    assert set(here) == set(there.files) and {"u_position", "u_normal_deg", "u_S", "u_R", "u_k1", "u_k2"} < set(here)
     for name, values in here.items():
         np.testing.assert_array_equal(values, there[name])
     known = np.isfinite(here["S"])

@@ -78,7 +78,8 @@ fn a_bump_on_a_lens_is_followed_and_kept_in_every_format() {
     assert!(done(here, "diff lens.json lens.step").contains("the same surface within what the data tell"));
     let maps = std::fs::read_to_string(here.join("d/maps.csv")).unwrap();
     assert!(
-        maps.starts_with("x,y,z,k1,k2,S,R,u_position,u_normal_deg,u_S,u_R\n") && maps.lines().count() == 65 * 65 + 1
+        maps.starts_with("x,y,z,k1,k2,S,R,u_position,u_normal_deg,u_S,u_R,u_k1,u_k2\n")
+            && maps.lines().count() == 65 * 65 + 1
     );
     // a scene may be touched on it, and an adaptive surface has the truth beside it
     let scene = "[surface]\nkind = \"imported\"\nfile = \"lens.json\"\n[sweep]\nfingers = [0.0, 1.0, 2.0, 3.0]\nfrom = -6.0\nto = 6.0\nstations = 20\n";

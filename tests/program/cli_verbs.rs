@@ -175,7 +175,7 @@ fn the_output_directory_holds_pictures_tables_and_records() {
     let maps = std::fs::read_to_string(here.join("deep/er/maps.csv")).unwrap();
     assert_eq!(
         (maps.lines().next(), maps.lines().count()),
-        (Some("x,y,z,k1,k2,S,R,u_position,u_normal_deg,u_S,u_R"), 1 + 20)
+        (Some("x,y,z,k1,k2,S,R,u_position,u_normal_deg,u_S,u_R,u_k1,u_k2"), 1 + 20)
     );
     let svg = std::fs::read_to_string(here.join("deep/er/shape.svg")).unwrap();
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && svg.contains("paper-cylinder: ridge"));

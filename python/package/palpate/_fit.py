@@ -162,8 +162,8 @@ class Fit:
     def maps(self, grid: Pair | None = None) -> dict[str, npt.NDArray[np.float64]]:
         """z, k1, k2, S, R over the surface: axes x (n,), y (m,) and maps (n, m), as `palpate fit --out` writes them in maps.npz.
 
-        NaN: undefined, or not supported by contacts. u_position, u_normal_deg, u_S, u_R: standard uncertainties at each point,
-        along the normal, degrees, and of S and R. Where x and y are directions of the surface's own, X, Y, Z are the points.
+        NaN: undefined, or not supported by contacts. u_position, u_normal_deg, u_S, u_R, u_k1, u_k2: standard uncertainties
+        at each point, along the normal, degrees, of S, R, k1 and k2. Where x and y are directions of the surface's own, X, Y, Z are the points.
         Points of the grid: those of the fit, unless others are given. A fit from a document has the surface's maps alone,
         those of a height field.
 

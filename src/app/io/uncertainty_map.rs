@@ -30,6 +30,12 @@ pub struct UncertaintyMap {
     /// Of the curvedness.
     #[serde(rename = "R")]
     pub(crate) curvedness: Vec<Vec<Option<f64>>>,
+    /// Of the larger curvature; no rows in files of earlier versions.
+    #[serde(default)]
+    pub(crate) k1: Vec<Vec<Option<f64>>>,
+    /// Of the smaller curvature.
+    #[serde(default)]
+    pub(crate) k2: Vec<Vec<Option<f64>>>,
 }
 
 /// Standard uncertainties at one point.
@@ -39,17 +45,21 @@ pub(crate) struct PointUncertainty {
     pub(crate) normal_deg: Option<f64>,
     pub(crate) shape_index: Option<f64>,
     pub(crate) curvedness: Option<f64>,
+    pub(crate) k1: Option<f64>,
+    pub(crate) k2: Option<f64>,
 }
 
 impl PointUncertainty {
     /// The same to as many digits as an uncertainty is known to.
     pub(crate) fn rounded(self) -> PointUncertainty {
-        let PointUncertainty { position, normal_deg, shape_index, curvedness } = self;
+        let PointUncertainty { position, normal_deg, shape_index, curvedness, k1, k2 } = self;
         PointUncertainty {
             position: position.and_then(rounded),
             normal_deg: normal_deg.and_then(rounded),
             shape_index: shape_index.and_then(rounded),
             curvedness: curvedness.and_then(rounded),
+            k1: k1.and_then(rounded),
+            k2: k2.and_then(rounded),
         }
     }
 }
@@ -71,6 +81,8 @@ impl UncertaintyMap {
             normal_deg: map(|u| u.normal_deg),
             shape_index: map(|u| u.shape_index),
             curvedness: map(|u| u.curvedness),
+            k1: map(|u| u.k1),
+            k2: map(|u| u.k2),
             at,
         }
     }
@@ -93,7 +105,8 @@ impl UncertaintyMap {
             ("S", &self.shape_index),
             ("R", &self.curvedness),
         ];
-        for (name, map) in maps {
+        let later = [("k1", &self.k1), ("k2", &self.k2)].into_iter().filter(|(_, map)| !map.is_empty());
+        for (name, map) in maps.into_iter().chain(later) {
             if map.len() != n || map.iter().any(|row| row.len() != m) {
                 return Err(format!("uncertainty.{name} has not the {n} x {m} entries of uncertainty.at"));
             }
@@ -123,6 +136,8 @@ impl UncertaintyMap {
             normal_deg: value(&self.normal_deg),
             shape_index: value(&self.shape_index),
             curvedness: value(&self.curvedness),
+            k1: value(&self.k1),
+            k2: value(&self.k2),
         }
     }
 }

@@ -41,6 +41,8 @@ impl AdaptiveAnswer {
             normal_deg: Some(sds.normal.to_degrees()),
             shape_index: sds.shape_index,
             curvedness: sds.curvedness,
+            k1: sds.curvatures.map(|[u, _]| u),
+            k2: sds.curvatures.map(|[_, u]| u),
         }
     }
 

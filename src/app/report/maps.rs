@@ -10,12 +10,13 @@ use crate::io::{NpzWriter, PointUncertainty};
 use palpate_geometry::contact::Frame;
 use palpate_geometry::shape::ShapeMaps;
 
-/// Names of the standard uncertainties at a point: of the position along the normal, of the normal in degrees, of S and of R.
-pub(super) const UNCERTAINTIES: [&str; 4] = ["u_position", "u_normal_deg", "u_S", "u_R"];
+/// Names of the standard uncertainties at a point: of the position along the normal, of the normal in degrees, of S, R, k1
+/// and k2.
+pub(super) const UNCERTAINTIES: [&str; 6] = ["u_position", "u_normal_deg", "u_S", "u_R", "u_k1", "u_k2"];
 
 /// The numbers under [`UNCERTAINTIES`].
-pub(super) fn numbers_of(u: &PointUncertainty) -> [Option<f64>; 4] {
-    [u.position, u.normal_deg, u.shape_index, u.curvedness]
+pub(super) fn numbers_of(u: &PointUncertainty) -> [Option<f64>; 6] {
+    [u.position, u.normal_deg, u.shape_index, u.curvedness, u.k1, u.k2]
 }
 
 /// Points of a height field's map in the input's coordinates; it stands along the axes of `frame`.

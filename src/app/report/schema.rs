@@ -295,7 +295,8 @@ pub(super) fn full() -> FitDocument {
 /// Uncertainties that are known at one point and not at the other.
 fn uncertainty() -> UncertaintyMap {
     let half = Some(0.5);
-    let known = PointUncertainty { position: half, normal_deg: half, shape_index: half, curvedness: half };
+    let known =
+        PointUncertainty { position: half, normal_deg: half, shape_index: half, curvedness: half, k1: half, k2: half };
     UncertaintyMap::of([vec![0.5], vec![0.5, 1.5]], &[known, PointUncertainty::default()])
 }
 

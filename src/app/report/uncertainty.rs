@@ -26,6 +26,8 @@ pub(super) fn map(at: [Vec<f64>; 2], sds: &[Option<PointSds>], shape: &ShapePart
             normal_deg: Some(sds.normal.to_degrees()),
             shape_index: sds.shape_index.filter(|_| !flat).map(|u| u.hypot(model[0]).min(1.0)),
             curvedness: sds.curvedness.map(|u| u.hypot(model[1])),
+            k1: sds.curvatures.map(|[u, _]| u.hypot(model[1])),
+            k2: sds.curvatures.map(|[_, u]| u.hypot(model[1])),
         }
     };
     let values: Vec<PointUncertainty> = sds.iter().map(one).collect();

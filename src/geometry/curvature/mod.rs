@@ -16,4 +16,4 @@ mod principal;
 
 pub use class::ShapeClass;
 pub use principal::{Derivatives, Principal};
-pub use principal::{curvatures, curvedness, shape_index};
+pub use principal::{curvatures, curvedness, principal_curvatures, shape_index};

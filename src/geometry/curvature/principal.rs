@@ -74,6 +74,12 @@ pub fn curvedness(k1: f64, k2: f64) -> f64 {
     k1.hypot(k2) * std::f64::consts::FRAC_1_SQRT_2
 }
 
+/// `k1, k2 = R (+-cos a - sin a)`, a = pi S / 2: the larger and the smaller curvature of S and R.
+pub fn principal_curvatures([shape_index, curvedness]: [f64; 2]) -> [f64; 2] {
+    let (sin, cos) = (std::f64::consts::FRAC_PI_2 * shape_index).sin_cos();
+    [curvedness * (cos - sin), curvedness * (-cos - sin)]
+}
+
 impl Derivatives {
     /// Principal curvatures from the symmetric shape operator in an orthonormal tangent frame.
     ///
@@ -149,6 +155,14 @@ pub fn curvatures(q: &Derivatives) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn curvatures_come_back_from_shape_index_and_curvedness() {
+        for [k1, k2] in [[0.3, 0.1], [0.2, -0.5], [-0.1, -0.4], [0.2, 0.0], [0.25, 0.25]] {
+            let found = principal_curvatures([shape_index(k1 + k2, k1 - k2).unwrap(), curvedness(k1, k2)]);
+            assert!((found[0] - k1).abs() < 1e-14 && (found[1] - k2).abs() < 1e-14, "{k1} {k2}: {found:?}");
+        }
+    }
 
     #[test]
     fn convex_sphere_is_a_cap_and_the_umbilic_is_exact() {

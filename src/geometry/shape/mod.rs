@@ -41,7 +41,7 @@ pub use parametric_maps::parametric_maps_at;
 pub use parametric_maps::{ParametricMaps, parametric_maps, uv_grid};
 pub use plane::{PLANE_SIGNIFICANCE, best_plane, chi_square_upper_tail, f_upper_tail};
 pub use point_sds::PointSds;
-pub use pointwise::{ByJet, Uncertain, point_sds};
+pub use pointwise::{ByJet, ShapeSds, Uncertain, point_sds, principal_gradients};
 pub use repeated_gradients::RepeatedGradients;
 pub use report::{ShapeReport, Statistic, every_class};
 pub use summary::Interval;

@@ -11,6 +11,8 @@ pub struct PointSds {
     pub shape_index: Option<f64>,
     /// Of the curvedness, where it is defined.
     pub curvedness: Option<f64>,
+    /// Of the principal curvatures, the larger first, where they are defined.
+    pub curvatures: Option<[f64; 2]>,
 }
 
 impl PointSds {
@@ -19,6 +21,7 @@ impl PointSds {
         PointSds {
             position: scale * self.position,
             curvedness: self.curvedness.map(|u| u / scale),
+            curvatures: self.curvatures.map(|both| both.map(|u| u / scale)),
             // nothing between -1 and 1 has a larger standard deviation
             shape_index: self.shape_index.map(|u| u.min(1.0)),
             // nor has an angle between directions

@@ -208,13 +208,13 @@ impl BodyChart {
         self.frame.scale * self.surface.distance(self.frame.to_patch(place))
     }
 
-    /// Standard uncertainties of height and of the normal's direction (radians) at a place of the input, and of S and R there.
-    pub(crate) fn sds_at(&self, place: Vector) -> [f64; 4] {
+    /// Standard uncertainties of height and of the normal's direction (radians) at a place of the input, and of S, R, k1 and k2 there.
+    pub(crate) fn sds_at(&self, place: Vector) -> [f64; 6] {
         self.sds_of(&self.readings_at(place))
     }
 
-    /// Height, turn of the normal (radians), S and R of every draw at a place of the input, in the sample's units.
-    pub(crate) fn readings_at(&self, place: Vector) -> Vec<[f64; 4]> {
+    /// Height, turn of the normal (radians), S, R, k1 and k2 of every draw at a place of the input, in the sample's units.
+    pub(crate) fn readings_at(&self, place: Vector) -> Vec<[f64; 6]> {
         let local = self.frame.to_patch(place);
         let (d, normal) = self.primitive.nearest(local);
         let foot = along(local, -d, normal);
@@ -222,7 +222,7 @@ impl BodyChart {
             let reading = drawn.reading(foot);
             let [k1, k2] = reading.curvatures;
             let s = shape_index(k1 + k2, (k1 - k2).abs()).unwrap_or(0.0);
-            [reading.distance, norm(minus(reading.normal, normal)), s, curvedness(k1, k2)]
+            [reading.distance, norm(minus(reading.normal, normal)), s, curvedness(k1, k2), k1, k2]
         };
         self.draws.iter().map(of).collect()
     }
@@ -275,8 +275,8 @@ impl BodyChart {
     }
 
     /// Standard uncertainties of such readings, in the input's units.
-    pub(crate) fn sds_of(&self, readings: &[[f64; 4]]) -> [f64; 4] {
-        let (mut sums, mut squares) = ([0.0; 4], [0.0; 4]);
+    pub(crate) fn sds_of(&self, readings: &[[f64; 6]]) -> [f64; 6] {
+        let (mut sums, mut squares) = ([0.0; 6], [0.0; 6]);
         for (drawn, reading) in self.draws.iter().zip(readings) {
             for (k, value) in reading.iter().enumerate() {
                 sums[k] += drawn.share * value;
@@ -286,7 +286,8 @@ impl BodyChart {
         // the mean normal is the likeliest: its scatter is about zero
         sums[1] = 0.0;
         let sd = |k: usize| (squares[k] - sums[k] * sums[k]).max(0.0).sqrt();
-        [sd(0) * self.frame.scale, sd(1) / 2.0_f64.sqrt(), sd(2), sd(3) / self.frame.scale]
+        let scale = self.frame.scale;
+        [sd(0) * scale, sd(1) / 2.0_f64.sqrt(), sd(2), sd(3) / scale, sd(4) / scale, sd(5) / scale]
     }
 }
 

@@ -142,6 +142,8 @@ pub struct MapPoint {
     pub u_shape_index: f64,
     /// Standard uncertainty of the curvedness.
     pub u_curvedness: f64,
+    /// Standard uncertainties of the larger and the smaller curvature.
+    pub u_curvatures: [f64; 2],
     /// Standard uncertainty of the position along the normal.
     pub u_position: f64,
     /// Root mean square angle of the normal, radians.

@@ -94,6 +94,8 @@ fn fields(saved: &Saved, kept: &[&Vertex]) -> Vec<(&'static str, Vec<f64>)> {
         let named = [
             ("u_S", list(|u| u.shape_index)),
             ("u_R", list(|u| u.curvedness)),
+            ("u_k1", list(|u| u.k1)),
+            ("u_k2", list(|u| u.k2)),
             ("u_position", list(|u| u.position)),
             ("u_normal_deg", list(|u| u.normal_deg)),
         ];

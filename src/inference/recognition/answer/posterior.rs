@@ -69,8 +69,8 @@ pub(super) struct Summary {
     pub(super) k2: f64,
     /// Shares of the classes, plane included, in the order of [`ShapeClass::CURVED`] and then plane.
     pub(super) classes: Vec<(ShapeClass, f64)>,
-    /// Standard uncertainty of S, of R, of the place along the normal and of the normal (radians) at every point asked for.
-    pub(super) u: Vec<[f64; 4]>,
+    /// Standard uncertainty of S, of R, of the place along the normal, of the normal (radians), of k1 and of k2 at every point asked for.
+    pub(super) u: Vec<[f64; 6]>,
     /// The surface that is reported.
     pub(super) surface: State,
     /// Within how many degrees of the reported ones the directions of k1 and k2 lie, at the level of the intervals.

@@ -9,7 +9,7 @@
 use crate::recognition::Hypothesis;
 use crate::recognition::discrepancy::Body;
 use crate::recognition::kinds::Kind;
-use palpate_geometry::curvature::ShapeClass;
+use palpate_geometry::curvature::{ShapeClass, principal_curvatures};
 use palpate_numeric::statistics::weighted_quantile;
 use palpate_numeric::vector::{Vector, dot};
 
@@ -159,9 +159,9 @@ pub(super) fn classes(found: &[Drawn]) -> Vec<(ShapeClass, f64)> {
     out
 }
 
-/// Standard deviations of S and R at every point over all draws, and root mean squares of their heights over the reported surface and of
-/// their angles to it.
-pub(super) fn pointwise(found: &[Drawn], points: usize) -> Vec<[f64; 4]> {
+/// Standard deviations of S and R at every point over all draws, root mean squares of their heights over the reported surface and of
+/// their angles to it, and standard deviations of k1 and k2.
+pub(super) fn pointwise(found: &[Drawn], points: usize) -> Vec<[f64; 6]> {
     let rms = |i: usize, of: fn(&[f64; 3]) -> f64| {
         let (mut all, mut squares) = (0.0, 0.0);
         for drawn in found {
@@ -173,12 +173,13 @@ pub(super) fn pointwise(found: &[Drawn], points: usize) -> Vec<[f64; 4]> {
     };
     let sd = |i: usize, k: usize| {
         let (mut all, mut sum, mut squares) = (0.0, 0.0, 0.0);
+        let value = |at: &[f64; 2]| if k < 2 { at[k] } else { principal_curvatures(*at)[k - 2] };
         // about the first value, so that the squares do not cancel
-        let about = found.first().map_or(0.0, |d| d.likeliest.at[i][k]);
-        for drawn in found.iter().filter(|d| k == 1 || d.kind != Kind::Plane) {
+        let about = found.first().map_or(0.0, |d| value(&d.likeliest.at[i]));
+        for drawn in found.iter().filter(|d| k != 0 || d.kind != Kind::Plane) {
             let share = drawn.weights[1] / drawn.draws.len().max(1) as f64;
             for field in &drawn.draws {
-                let value = field.at[i][k] - about;
+                let value = value(&field.at[i]) - about;
                 (all, sum, squares) = (all + share, sum + share * value, squares + share * value * value);
             }
         }
@@ -186,5 +187,5 @@ pub(super) fn pointwise(found: &[Drawn], points: usize) -> Vec<[f64; 4]> {
     };
     let height = |touch: &[f64; 3]| touch[0] * touch[0];
     let angle = |touch: &[f64; 3]| touch[1] * touch[1] + touch[2] * touch[2];
-    (0..points).map(|i| [sd(i, 0), sd(i, 1), rms(i, height), rms(i, angle)]).collect()
+    (0..points).map(|i| [sd(i, 0), sd(i, 1), rms(i, height), rms(i, angle), sd(i, 2), sd(i, 3)]).collect()
 }

@@ -224,6 +224,7 @@ impl Findings<'_> {
                 supported: supported[i],
                 u_shape_index: u[0],
                 u_curvedness: u[1] / scale,
+                u_curvatures: [u[4], u[5]].map(|u| u / scale),
                 u_position: u[2] * scale,
                 u_normal: u[3],
             }

@@ -1,7 +1,7 @@
 //! Uncertainty of a recognised surface point by point.
 //!
 //! ```text
-//! S, R               standard deviations over the drawn surfaces, between the points of the map
+//! S, R, k1, k2       standard deviations over the drawn surfaces, between the points of the map
 //! position, normal   the same, or those of a quadratic height over the chart, where these are larger:
 //!                    u^2 = s^2 f'(X'X)^-1 f,   f = (1, u, v, u^2, u v, v^2),   s^2 = (sd^2 + shared sd^2) N / N_eff
 //! ```
@@ -14,7 +14,7 @@ use crate::dense;
 use crate::recognition::{MapPoint, Recognition};
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::Derivatives;
-use palpate_geometry::shape::{ByJet, PointSds, Uncertain, point_sds};
+use palpate_geometry::shape::{ByJet, PointSds, ShapeSds, Uncertain, point_sds};
 use palpate_geometry::surface::Jet;
 
 /// Coefficients of the quadratic.
@@ -71,13 +71,14 @@ impl<'a> Pointwise<'a> {
     /// Standard uncertainties on the surface nearest to a place, input units.
     pub fn at(&self, place: [f64; 3]) -> Option<PointSds> {
         if let Some(body) = self.found.surface.body() {
-            let [position, normal, s, curvedness] = body.sds_at(place);
+            let [position, normal, s, curvedness, k1, k2] = body.sds_at(place);
             let shape_index = self.found.shape_index.map(|_| s.min(1.0));
-            return Some(PointSds { position, normal, shape_index, curvedness: Some(curvedness) });
+            let (curvedness, curvatures) = (Some(curvedness), Some([k1, k2]));
+            return Some(PointSds { position, normal, shape_index, curvedness, curvatures });
         }
         let chart = self.found.surface.chart_of(place);
         let local = [0, 1].map(|k| (chart[k] - self.middle[k]) / self.half[k]);
-        let [shape_index, curvedness, position, normal] = self.drawn_at(self.found.share_of_map(place));
+        let [shape_index, curvedness, position, normal, k1, k2] = self.drawn_at(self.found.share_of_map(place));
         let curved = self.found.shape_index.is_some();
         let sds = point_sds(self, local).filter(|sds| sds.position.is_finite())?.scaled(self.found.surface.frame.scale);
         // those of the map are in the input's unit already
@@ -86,11 +87,12 @@ impl<'a> Pointwise<'a> {
             normal: normal.map_or(sds.normal, |drawn| sds.normal.max(drawn)).min(std::f64::consts::PI),
             shape_index: shape_index.filter(|_| curved).map(|u| u.min(1.0)),
             curvedness,
+            curvatures: k1.zip(k2).map(<[f64; 2]>::from),
         })
     }
 
-    /// What the draws say of S, R, position and normal between the four nearest points of the map.
-    fn drawn_at(&self, share: [f64; 2]) -> [Option<f64>; 4] {
+    /// What the draws say of S, R, position, normal, k1 and k2 between the four nearest points of the map.
+    fn drawn_at(&self, share: [f64; 2]) -> [Option<f64>; 6] {
         let [n, m] = self.found.grid;
         let cell = |k: usize, count: usize| {
             let t = share[k].clamp(0.0, 1.0) * count.saturating_sub(1) as f64;
@@ -103,7 +105,10 @@ impl<'a> Pointwise<'a> {
             let between = |i: usize| Some((1.0 - t) * pick(at(i, j)?) + t * pick(at(i, j + 1)?));
             Some((1.0 - s) * between(i)? + s * between(i + 1)?).filter(|u| u.is_finite())
         };
-        [value(|p| p.u_shape_index), value(|p| p.u_curvedness), value(|p| p.u_position), value(|p| p.u_normal)]
+        let of_shape = [value(|p| p.u_shape_index), value(|p| p.u_curvedness)];
+        let of_place = [value(|p| p.u_position), value(|p| p.u_normal)];
+        let [s, r, position, normal] = [of_shape[0], of_shape[1], of_place[0], of_place[1]];
+        [s, r, position, normal, value(|p| p.u_curvatures[0]), value(|p| p.u_curvatures[1])]
     }
 }
 
@@ -126,8 +131,8 @@ impl Uncertain for Pointwise<'_> {
     }
 
     /// A quadratic says little of curvatures; the draws say more.
-    fn shape_sds(&self, _: [f64; 2], _: &Jet) -> [Option<f64>; 2] {
-        [None; 2]
+    fn shape_sds(&self, _: [f64; 2], _: &Jet) -> ShapeSds {
+        [None; 4]
     }
 }
 

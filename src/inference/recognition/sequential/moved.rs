@@ -6,11 +6,9 @@
 //! P(kind) ~ P(kind) at the recognition  (share of its draws now / then)            of classes likewise
 //! ```
 
-use std::f64::consts::FRAC_PI_2;
-
 use crate::recognition::result::Estimate;
 use crate::recognition::{Hypothesis, Recognition, Tried};
-use palpate_geometry::curvature::ShapeClass;
+use palpate_geometry::curvature::{ShapeClass, principal_curvatures};
 use palpate_geometry::shape::radius_of;
 
 use super::ensemble::{DrawnEnsemble, EnsembleDraw};
@@ -73,7 +71,7 @@ impl FirstAnswer {
         let r = moved(self.curvedness, of(&|draw| Some(draw.curvedness())), [0.0, f64::INFINITY]);
         let curvature = |k: usize| {
             let one = |draw: &EnsembleDraw| {
-                Some(principal_curvatures(draw.shape_index().unwrap_or(0.0), draw.curvedness())[k])
+                Some(principal_curvatures([draw.shape_index().unwrap_or(0.0), draw.curvedness()])[k])
             };
             self.curvatures[k] + of(&one).by
         };
@@ -155,12 +153,6 @@ impl MovedAnswer {
         });
         (found.class_probability, found.tried, found.plane_probability) = (classes, tried, self.plane);
     }
-}
-
-/// `k1, k2 = R (sin a +- cos a)`, a = pi S / 2.
-fn principal_curvatures(shape_index: f64, curvedness: f64) -> [f64; 2] {
-    let (sin, cos) = (FRAC_PI_2 * shape_index).sin_cos();
-    [curvedness * (sin + cos), curvedness * (sin - cos)]
 }
 
 /// Moments of a number over the draws that have it.

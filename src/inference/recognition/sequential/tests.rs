@@ -48,6 +48,9 @@ fn three_ways(touches: &[Vector], first: usize) -> Option<([f64; 3], [f64; 2])> 
         }
     }
     assert_eq!((found.contacts, posterior.touches()), (touches.len(), touches.len() - first));
+    // both curvatures move with S and R
+    let size = found.k1.hypot(found.k2) * std::f64::consts::FRAC_1_SQRT_2;
+    assert!((size / found.curvedness.mean - 1.0).abs() < 0.02, "{size} for {}", found.curvedness.mean);
     let all = recognised(touches);
     Some(([before, found.curvedness.mean, all.curvedness.mean], [found.curvedness.u, all.curvedness.u]))
 }

@@ -26,7 +26,7 @@ impl DrawnMap {
         let one = |([u, v], supported): (&[f64; 2], &bool)| {
             let (point, readings) = point_of(chart, *u, *v, *supported);
             if *supported {
-                sums.iter_mut().zip(&readings).for_each(|(sum, [.., s, r])| *sum = [sum[0] + s, sum[1] + r]);
+                sums.iter_mut().zip(&readings).for_each(|(sum, [_, _, s, r, ..])| *sum = [sum[0] + s, sum[1] + r]);
             }
             point
         };
@@ -38,11 +38,11 @@ impl DrawnMap {
 }
 
 /// A point of the map, and what the draws say there.
-fn point_of(chart: &BodyChart, u: f64, v: f64, supported: bool) -> (MapPoint, Vec<[f64; 4]>) {
+fn point_of(chart: &BodyChart, u: f64, v: f64, supported: bool) -> (MapPoint, Vec<[f64; 6]>) {
     let (position, normal) = chart.at(u, v);
     let [k1, k2] = chart.curvatures_at(u, v).unwrap_or([f64::NAN; 2]);
     let readings = chart.readings_at(position);
-    let [u_position, u_normal, u_shape_index, u_curvedness] = chart.sds_of(&readings);
+    let [u_position, u_normal, u_shape_index, u_curvedness, u_k1, u_k2] = chart.sds_of(&readings);
     let point = MapPoint {
         position,
         normal,
@@ -53,6 +53,7 @@ fn point_of(chart: &BodyChart, u: f64, v: f64, supported: bool) -> (MapPoint, Ve
         supported,
         u_shape_index,
         u_curvedness,
+        u_curvatures: [u_k1, u_k2],
         u_position,
         u_normal,
     };

@@ -53,7 +53,7 @@ impl Recognition {
         let supported: Vec<Vector> = self.map.iter().filter(|p| p.supported).map(|p| p.position).collect();
         for place in &supported {
             let readings = chart.readings_at(*place);
-            sums.iter_mut().zip(&readings).for_each(|(sum, [.., s, r])| *sum = [sum[0] + s, sum[1] + r]);
+            sums.iter_mut().zip(&readings).for_each(|(sum, [_, _, s, r, ..])| *sum = [sum[0] + s, sum[1] + r]);
         }
         let mean =
             |sum: [f64; 2]| Some(sum.map(|v| v / supported.len() as f64)).filter(|m| m.iter().all(|v| v.is_finite()));
