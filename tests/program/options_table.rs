@@ -42,6 +42,7 @@ pub(crate) const VALUES: &[(&str, &str)] = &[
     ("--viewpoint", "0,0,-90"),
     ("--intrinsics", "500,500,20,20"),
     ("--columns", "x=y,y=x,z=z"),
+    ("--memory", "0"),
     ("--tolerance", "2"),
     ("--points", "q.csv"),
     ("--library", "known"),
