@@ -10,7 +10,7 @@ use crate::report::{Answer, ChosenPart, FitDocument, LackOfFitPart, Subject};
 use palpate_fitting::fit::{FitError, FitOptions};
 use palpate_geometry::contact::ContactError;
 
-use super::adaptive_model::{AdaptiveFlags, TypedForAdaptive};
+use super::adaptive_model::AdaptiveFlags;
 use super::answer::{Question, answer};
 use super::batch;
 use super::describe::{Destination, Taken, describe, document_of};
@@ -82,7 +82,7 @@ impl FitArgs {
 
     fn pieces_question(&self) -> PiecesQuestion<'_> {
         PiecesQuestion {
-            typed: TypedForAdaptive { degree: self.fit.typed_degree(), grid: self.fit.typed_grid() },
+            typed: self.adaptive.typed(&self.fit),
             options: self.fit.over(FitOptions::default()),
             preparation: &self.preparation,
             bare: self.bare,
@@ -261,7 +261,7 @@ fn answer_to(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
         return Err(Refusal::Shape(what.into()));
     }
     let viewpoint = viewpoint.or(seen_from(reading));
-    let adaptive = args.adaptive.adaptive;
+    let adaptive = &args.adaptive;
     let question = Question { flags: &args.fit, adaptive, base: FitOptions::default(), bare: args.bare, viewpoint };
     answer(&reading.input, &question)
 }

@@ -65,7 +65,7 @@ pub(super) fn fit_in_pieces(
     let told = |error| refused(error, 0, &question.options).words();
     question.preparation.check_pieces().map_err(|what| Failure::Input(format!("{file}: {what}")))?;
     question.options.check().map_err(|error| Failure::Input(fit_message(&error)))?;
-    let asked = adaptive_options(question.typed.degree, &question.options, question.bare);
+    let asked = adaptive_options(&question.typed, &question.options, question.bare);
     let asked = asked.map_err(|error| Failure::Input(format!("{file}: {}", fit_message(&error))))?;
     asked.check().map_err(|error| Failure::Input(format!("{file}: {}", told(error))))?;
     let folder = TemporaryFolder::new()?;

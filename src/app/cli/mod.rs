@@ -68,6 +68,7 @@ mod study_plan;
 mod sweep;
 mod things;
 mod time_left;
+mod tuned;
 mod until;
 mod values;
 mod viewpoint;

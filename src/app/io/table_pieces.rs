@@ -205,7 +205,9 @@ mod tests {
             let piece = piece.unwrap();
             let Input::Contacts(here) = piece.input else { panic!("contacts") };
             places.extend((0..here.len()).map(|k| piece.places.as_ref().unwrap().of(k)));
-            [(&mut all.x, here.x), (&mut all.y, here.y), (&mut all.z, here.z)].map(|(all, more)| all.extend(more));
+            [(&mut all.x, here.x), (&mut all.y, here.y), (&mut all.z, here.z)]
+                .into_iter()
+                .for_each(|(all, more)| all.extend(more));
             fingers.extend(here.finger.unwrap_or_default());
             skipped += piece.skipped;
         }

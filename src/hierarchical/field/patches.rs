@@ -159,10 +159,13 @@ fn inner_knots(knots: &Knots) -> Vec<(usize, &[f64])> {
     (0..knots.n_basis()).map(of).collect()
 }
 
+/// Ends of a patch's side along a line, the patch, and on which side of the line it lies.
+type PatchSide = ([u32; 2], usize, usize);
+
 /// All pieces of edges with the patches on both sides.
 fn edge_places(rectangles: &[CellRectangle], deepest: u8) -> BTreeMap<EdgePlace, [Option<usize>; 2]> {
     // on every line the patches that end or begin there
-    let mut lines: BTreeMap<(usize, u32), Vec<([u32; 2], usize, usize)>> = BTreeMap::new();
+    let mut lines: BTreeMap<(usize, u32), Vec<PatchSide>> = BTreeMap::new();
     for (patch, rectangle) in rectangles.iter().enumerate() {
         let CellRectangle { from, to, .. } = rectangle.in_level(deepest);
         for axis in 0..2 {

@@ -103,15 +103,43 @@ mod tests {
     use palpate_hierarchical::mesh::{CellId, Mesh};
     use palpate_hierarchical::space::HierarchicalSpace;
 
-    #[test]
-    fn loops_close_and_every_inner_edge_is_run_both_ways() {
+    fn field(level: u8, place: [u32; 2]) -> HierarchicalField {
         let knots = |n| Knots::uniform(3, n, 0.0, 1.0).unwrap();
         let mut mesh = Mesh::new([knots(4), knots(5)]).unwrap();
-        mesh.refine(CellId { level: 4, place: [33, 20] }).unwrap();
+        mesh.refine(CellId { level, place }).unwrap();
         let space = Arc::new(HierarchicalSpace::new(mesh));
         let heights = (0..space.unknowns()).map(|k| (k as f64).sin()).collect();
-        let field = HierarchicalField::new(space, heights).unwrap();
+        HierarchicalField::new(space, heights).unwrap()
+    }
+
+    #[test]
+    fn both_formats_hold_all_faces_and_every_edge_once() {
+        let field = field(8, [533, 320]);
+        assert!(super::super::cad::is_too_large(&field));
         let shell = CadShell::of(&field, &Frame::IDENTITY).unwrap();
+        let step = super::super::step_writer::write_shell(&shell, "a lens");
+        let count = |text: &str, word: &str| text.matches(word).count();
+        assert_eq!(count(&step, "=ADVANCED_FACE("), shell.faces.len());
+        assert_eq!(count(&step, "=EDGE_CURVE("), shell.edges.len());
+        assert_eq!(count(&step, "=VERTEX_POINT("), shell.vertices.len());
+        assert_eq!(count(&step, "=ORIENTED_EDGE("), shell.loops.iter().map(Vec::len).sum::<usize>());
+        let iges = super::super::iges_writer::write(&shell.faces, "a lens");
+        assert!(iges.lines().all(|line| line.len() == 80));
+        let directory = iges.lines().filter(|line| line.as_bytes()[72] == b'D').count();
+        assert_eq!(directory, 2 * shell.faces.len());
+        // the parameters of every entity say whose they are, and begin where the directory says
+        let parameters: Vec<&str> = iges.lines().filter(|line| line.as_bytes()[72] == b'P').collect();
+        let entries: Vec<&str> = iges.lines().filter(|line| line.as_bytes()[72] == b'D').collect();
+        for (k, entry) in entries.iter().step_by(2).enumerate() {
+            let first: usize = entry[8..16].trim().parse().unwrap();
+            assert!(parameters[first - 1].starts_with("128,"));
+            assert_eq!(parameters[first - 1][64..72].trim().parse::<usize>().unwrap(), 2 * k + 1);
+        }
+    }
+
+    #[test]
+    fn loops_close_and_every_inner_edge_is_run_both_ways() {
+        let shell = CadShell::of(&field(4, [33, 20]), &Frame::IDENTITY).unwrap();
         let mut runs = vec![[0; 2]; shell.edges.len()];
         for face in &shell.loops {
             let end = |(edge, forward): (usize, bool), end: usize| {
