@@ -43,7 +43,7 @@ pub(crate) const VALUES: &[(&str, &str)] = &[
     ("--intrinsics", "500,500,20,20"),
     ("--columns", "x=y,y=x,z=z"),
     ("--memory", "0"),
-    ("--tune", "base_segments=3"),
+    ("--tune", "least_contacts=4"),
     ("--tolerance", "2"),
     ("--points", "q.csv"),
     ("--library", "known"),

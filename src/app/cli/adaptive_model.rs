@@ -32,7 +32,7 @@ pub(super) struct AdaptiveFlags {
     /// Numbers that decide about an adaptive surface, such as false_discovery_rate=0.05,last_halving=on
     ///
     /// false_discovery_rate (default 0.01) is the share of cells that may be split by chance; deepest_level (12) says how small they get; last_halving (off) halves the last ones once more, and intervals near features hold more often; clip and reject (3, 4.5) are scales of outliers; most_factor_entries (5e8) and posterior_draws (64) bound memory. AdaptiveOptions in the library's documentation has them all
-    #[arg(long, hide_short_help = true, value_name = "NAME=VALUE,..", value_delimiter = ',', value_parser = tuned_option, requires = "adaptive")]
+    #[arg(long, hide_short_help = true, value_name = "NAME=VALUE,..", value_delimiter = ',', value_parser = tuned_option, requires = "adaptive", conflicts_with_all = ["surface", "closed", "segments", "weights", "method", "smooth", "robust", "frame", "sigma_xy"])]
     pub(super) tune: Vec<TunedOption>,
 }
 

@@ -96,9 +96,12 @@ impl TableRows {
     }
 }
 
+/// Columns that fields of a row go to.
+type FieldTargets = Vec<(Column, Vec<f64>)>;
+
 /// Per field of a row which of the targets it goes to, and the targets, empty.
-fn slots_and_targets(names: &[&str], columns: &Columns) -> (Vec<Option<usize>>, Vec<(Column, Vec<f64>)>) {
-    let mut targets: Vec<(Column, Vec<f64>)> = Vec::new();
+fn slots_and_targets(names: &[&str], columns: &Columns) -> (Vec<Option<usize>>, FieldTargets) {
+    let mut targets: FieldTargets = Vec::new();
     let slots = names.iter().map(|name| {
         let column = Column::of(name).filter(|c| columns.has(*c))?;
         targets.push((column, Vec::new()));
