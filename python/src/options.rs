@@ -114,10 +114,7 @@ impl Keywords {
         match key {
             "surface" => options.surface = word::<SurfaceKind>(value, "surface")?,
             "closed" => options.closed = closed(value)?,
-            "adaptive" => {
-                self.adaptive = value.is_truthy()?;
-                self.tuned = tuned(value)?;
-            }
+            "adaptive" => (self.adaptive, self.tuned) = (value.is_truthy()?, tuned(value)?),
             "degree" => {
                 options.degree = pair(value, "degree", 9)?;
                 self.given[0] = Some(options.degree);

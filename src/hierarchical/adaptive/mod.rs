@@ -48,6 +48,7 @@ use contact_passes::ContactPasses;
 use ground::FitGround;
 use held_contacts::HeldContacts;
 use palpate_geometry::contact::{Contacts, Frame};
+use palpate_numeric::statistics::VarianceComponent;
 use plane::plane_probability;
 use refinement::{MeshRefinement, components};
 use system::{System, timed};
@@ -116,10 +117,6 @@ fn answered(mut refinement: MeshRefinement<'_>, system: System, frame: Frame) ->
     let inverse = if uncertainty { point_inverse(&mut refinement, &system, &sums) } else { None };
     let traces = inverse.as_ref().map(|inverse| traces(&refinement, &system, &sums, inverse));
     let [heights, slopes] = components(sums.totals(), traces.unwrap_or_default());
-    let declared = match refinement.options.noise {
-        RowVariances::Known { slopes, .. } => Some(slopes),
-        RowVariances::Estimated => None,
-    };
     let columns = refinement.passes.columns();
     let outliers = refinement.passes.outliers(&refinement.field)?;
     let counted = columns.count - outliers.len();
@@ -134,7 +131,7 @@ fn answered(mut refinement: MeshRefinement<'_>, system: System, frame: Frame) ->
         inverse,
         smoothing,
         variance: refinement.variance,
-        slope_sd: columns.layout.oriented.then(|| declared.unwrap_or_else(|| slopes.sd_of_one_at_least())),
+        slope_sd: columns.layout.oriented.then(|| slope_sd(refinement.options, &slopes)),
         report: AdaptiveReport {
             rounds: refinement.rounds,
             outliers,
@@ -162,6 +159,14 @@ fn point_inverse(refinement: &mut MeshRefinement<'_>, system: &System, sums: &Ce
     let MeshRefinement { options, weights, lambdas, work, .. } = refinement;
     let law = LoadLaw { space: &system.space, sums, weights: *weights, order: options.roughness, lambdas };
     timed(&mut work.inverse, || PointInverse::of(&system.factor, || law.draw(options.posterior_draws)))
+}
+
+/// Of slopes or normals, as it was declared or found.
+fn slope_sd(options: &AdaptiveOptions, slopes: &VarianceComponent) -> f64 {
+    match options.noise {
+        RowVariances::Known { slopes, .. } => slopes,
+        RowVariances::Estimated => slopes.sd_of_one_at_least(),
+    }
 }
 
 /// What roughness takes off a surface like the one that was found: `(A + P)^-1 P c`.

@@ -181,16 +181,17 @@ impl<'a> MeshRefinement<'a> {
         self.variance = step.variance;
         self.lambdas.iter_mut().for_each(|lambda| *lambda *= step.factor_of_lambda);
         if search > 0 && (self.lambdas.len() > 1 || system.factor.whole().is_none()) {
-            let at = LevelStep {
-                lambdas: &self.lambdas,
-                coefficients: field.coefficients(),
-                matrix: &matrix,
-                variance: step.variance,
-                smooth,
-            };
-            self.lambdas = timed(&mut work.inverse, || at.next(system, &self.options.levels));
+            self.move_levels(system, &matrix, smooth);
         }
         Ok(())
+    }
+
+    /// The lambdas of levels, from the surface and the factor at hand.
+    fn move_levels(&mut self, system: &System, matrix: &[f64], smooth: f64) {
+        let MeshRefinement { field, lambdas, variance, work, options, .. } = self;
+        let step = LevelStep { lambdas, coefficients: field.coefficients(), matrix, variance: *variance, smooth };
+        let moved = timed(&mut work.inverse, || step.next(system, &options.levels));
+        self.lambdas = moved;
     }
 
     /// A lambda for every level; whether there were some before. A finer level begins where surfaces of the size of its cells are as
