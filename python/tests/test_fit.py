@@ -204,7 +204,7 @@ def test_numbers_that_decide_about_an_adaptive_surface() -> None:
         for adaptive in (True, {"deepest_level": 2}, {"last_halving": True, "false_discovery_rate": 0.001})
     ]
     assert halvings[1] == 2 and halvings[2] == halvings[0] + 1 > 3
-    with pytest.raises(ValueError, match="no such option"):
+    with pytest.raises(palpate.FitError, match="no such option"):
         palpate.fit(x, y, z, adaptive={"no_such_thing": 1})
     with pytest.raises(TypeError, match="names and numbers"):
         palpate.fit(x, y, z, adaptive={"deepest_level": "two"})

@@ -92,7 +92,10 @@ pub(super) fn adaptive_options(
 ) -> Result<AdaptiveOptions, FitError> {
     let mut defaults = AdaptiveOptions::default();
     let tuned = typed.tuned.iter().try_for_each(|tuned| tuned.set(&mut defaults));
-    tuned.map_err(|error| FitError::Word { expected: error.to_string() })?;
+    tuned.map_err(|error| match error {
+        HierarchyError::Option { option, value, expected } => FitError::Option { option, value, expected },
+        error => FitError::Word { expected: error.to_string() },
+    })?;
     let degree = match typed.degree {
         None => defaults.degree,
         Some([p, q]) if p == q => p,
