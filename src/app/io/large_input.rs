@@ -1,7 +1,7 @@
 //! Whether an input is read whole or in pieces, by what it would take in memory.
 //!
 //! ```text
-//! a file of B bytes takes 3 B        packed by gzip 12 B        of a pipe that is known only when so much has come
+//! a file of B bytes takes 4 B        packed by gzip 16 B        of a pipe that is known only when so much has come
 //! ```
 //!
 //! Numbers of text take as many bytes as the text, the copies that a fit sorts and weighs as many again. Text of numbers shrinks to a half or
@@ -15,8 +15,8 @@ use super::read_progress::fetch_up_to;
 use super::table_pieces::TablePieces;
 use super::{IoError, ReadOptions, Reading, ending, read_input_bytes, visible};
 
-/// Bytes in memory for a byte of a table.
-const BYTES_OF_BYTE: u64 = 3;
+/// Bytes in memory for a byte of a table: 3.4 were measured of ten million contacts with a thousand features.
+const BYTES_OF_BYTE: u64 = 4;
 /// Bytes of a table for a byte that is packed.
 const UNPACKED: u64 = 4;
 /// So much tells the format.
