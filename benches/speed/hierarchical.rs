@@ -5,7 +5,7 @@
 //! false      cells split where the surface is in the span of the base grid
 //! coverage   how often height and R +- 1.96 u hold the truth, near bumps and far from them
 //! orders     nonzeros and seconds of the factor by minimum degree and by nested dissection; `orders FOLDER` writes the matrices there
-//! gradients  the same fit by the factor and by conjugate gradients: time, memory of the factors, difference
+//! gradients  the same fit by the factor and by conjugate gradients: time, memory of the factors, difference, also of uncertainties
 //! stream     N contacts with 1,000 bumps that come in pieces and are never in memory at once: time, memory, the bits of the fit in memory
 //! evaluate   nanoseconds a point with two derivatives, beside the tensor spline with the cells of the finest level
 //! ```
@@ -436,16 +436,32 @@ fn order_of(name: &str, space: &HierarchicalSpace, folder: Option<&Path>) -> Res
 }
 
 /// The factor of the whole, and conjugate gradients where it would have more than a tenth of a million numbers.
+/// How far standard uncertainties of one fit are off those of another, root mean square shares of z and of R.
+fn sds_apart(fit: &AdaptiveFit, whole: &AdaptiveFit) -> String {
+    let mut draw = Lcg::new(98);
+    let mut squares = [0.0; 2];
+    let mut places = 0.0;
+    for _ in 0..20_000 {
+        let at = [0, 1].map(|_| 2.0 * draw.uniform() - 1.0);
+        let Some((one, other)) = fit.point_sds(at).zip(whole.point_sds(at)) else { continue };
+        let Some((r, r_of_other)) = one.curvedness.zip(other.curvedness) else { continue };
+        let ratios = [one.position / other.position, r / r_of_other];
+        squares.iter_mut().zip(ratios).for_each(|(sum, ratio)| *sum += (ratio - 1.0).powi(2));
+        places += 1.0;
+    }
+    let [z, r] = squares.map(|sum: f64| 100.0 * (sum / places).sqrt());
+    format!("{z:.2} %, {r:.2} %")
+}
+
 fn gradients() -> Result<(), Fault> {
     println!(
         "| contacts | features | by | seconds | of them factors and solutions | unknowns | numbers in factors | backward error | \
-         off the other, sigma |\n|---|---|---|---|---|---|---|---|---|"
+         off the other, sigma | uncertainties off, told | of z, of R off the other |\n|---|---|---|---|---|---|---|---|---|---|---|"
     );
     for (contacts, features) in [(100_000, 1000), (1_000_000, 1000)] {
         let touched = Scene::new(features, 7).touched(contacts, 8);
         let mut fits: Vec<AdaptiveFit> = Vec::new();
         for (by, most_factor_entries) in [("factor", usize::MAX), ("gradients", 100_000)] {
-            // the entries of the inverse are no part of what is compared
             let options = AdaptiveOptions { most_factor_entries, ..AdaptiveOptions::default() };
             let begun = Instant::now();
             let fit = fit_adaptive(&touched, &options)?;
@@ -460,12 +476,14 @@ fn gradients() -> Result<(), Fault> {
                 ((0..20_000).map(square).sum::<f64>() / 20_000.0).sqrt() / NOISE
             });
             println!(
-                "| {contacts} | {features} | {by} | {seconds:.1} | {:.1} | {} | {} | {:.1e} | {} |",
+                "| {contacts} | {features} | {by} | {seconds:.1} | {:.1} | {} | {} | {:.1e} | {} | {} | {} |",
                 (report.work.factorisation + report.work.inverse).as_secs_f64(),
                 fit.unknowns(),
                 report.factor_entries,
                 report.backward_error.unwrap_or(f64::NAN),
                 off.map_or(String::new(), |off| format!("{off:.4}")),
+                report.draws_error.map_or(String::new(), |share| format!("{:.2} %", 100.0 * share)),
+                fits.first().map_or(String::new(), |whole| sds_apart(&fit, whole)),
             );
             fits.push(fit);
         }

@@ -114,10 +114,10 @@ fn fit_one(input: Input, keywords: &Keywords) -> Result<Row, String> {
         FitRefusal::Fit(error) => error.to_string(),
         FitRefusal::Shape(message) => message,
     };
-    if let (AskedSurface::Spline, Input::Grid(grid)) = (asked, &input) {
+    if let (AskedSurface::Spline, Input::Grid(grid)) = (&asked, &input) {
         return fit_grid(grid, options).map(|fit| row_of(&fit, *bare)).map_err(|error| error.to_string());
     }
-    if let (AskedSurface::Spline, Input::Contacts(contacts)) = (asked, &input) {
+    if let (AskedSurface::Spline, Input::Contacts(contacts)) = (&asked, &input) {
         let (found, _) = fit_named(contacts, options)?;
         return Ok(match found {
             FittedSurface::Height(fit) => row_of(&fit, *bare),

@@ -5,7 +5,7 @@
 //! any keyword that fixes the model                  named: exactly that fit; otherwise the contacts are recognised
 //! ```
 
-use palpate::cli::embedded::AskedSurface;
+use palpate::cli::embedded::{AskedSurface, TunedOption};
 use palpate::fit::{
     FitOptions, FrameChoice, Method, NormalSigma, Objective, Robust, SlopeWeights, Smooth, SurfaceKind,
 };
@@ -24,8 +24,9 @@ pub(crate) struct Keywords {
     pub(crate) options: FitOptions,
     /// Something fixes the model.
     pub(crate) named: bool,
-    /// Small cells where the contacts ask for them.
+    /// Small cells where the contacts ask for them, and numbers that decide about them.
     adaptive: bool,
+    tuned: Vec<TunedOption>,
     /// Degrees and grid points that were given.
     given: [Option<[usize; 2]>; 2],
     pub(crate) viewpoint: Option<[f64; 3]>,
@@ -42,6 +43,7 @@ impl Keywords {
             options: FitOptions::default(),
             named: false,
             adaptive: false,
+            tuned: Vec::new(),
             given: [None; 2],
             viewpoint: None,
             bare: false,
@@ -91,10 +93,17 @@ impl Keywords {
         self.given
     }
 
+    /// Numbers that decide about an adaptive surface.
+    pub(crate) fn tuned(&self) -> Vec<TunedOption> {
+        self.tuned.clone()
+    }
+
     /// Which surface the keywords ask for.
     pub(crate) fn asked(&self) -> AskedSurface {
         match (self.adaptive, self.named) {
-            (true, _) => AskedSurface::Adaptive { degree: self.given[0], grid: self.given[1] },
+            (true, _) => {
+                AskedSurface::Adaptive { degree: self.given[0], grid: self.given[1], tuned: self.tuned.clone() }
+            }
             (false, true) => AskedSurface::Spline,
             (false, false) => AskedSurface::Recognised,
         }
@@ -105,7 +114,7 @@ impl Keywords {
         match key {
             "surface" => options.surface = word::<SurfaceKind>(value, "surface")?,
             "closed" => options.closed = closed(value)?,
-            "adaptive" => self.adaptive = value.is_truthy()?,
+            "adaptive" => (self.adaptive, self.tuned) = (value.is_truthy()?, tuned(value)?),
             "degree" => {
                 options.degree = pair(value, "degree", 9)?;
                 self.given[0] = Some(options.degree);
@@ -138,6 +147,17 @@ impl Keywords {
         }
         Ok(())
     }
+}
+
+/// Names and numbers of an adaptive surface's options, where a dict of them stands for `True`.
+fn tuned(value: &Bound<'_, PyAny>) -> PyResult<Vec<TunedOption>> {
+    let Ok(given) = value.cast::<PyDict>() else { return Ok(Vec::new()) };
+    let wrong = || PyTypeError::new_err("adaptive: True, or a dict of names and numbers, wanted");
+    let option = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let name = name.extract::<String>().map_err(|_| wrong())?;
+        Ok(TunedOption { name, value: value.extract::<f64>().map_err(|_| wrong())? })
+    };
+    given.iter().map(option).collect()
 }
 
 /// A word of the command line.

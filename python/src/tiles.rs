@@ -139,7 +139,7 @@ impl TiledFit {
     #[new]
     fn new(py: Python<'_>, parts: Vec<Bounds>, keywords: Option<&Bound<'_, PyDict>>) -> PyResult<TiledFit> {
         let keywords = Keywords::read(keywords)?;
-        let fit = embedded::TiledFit::new(&parts, keywords.given(), &keywords.options, keywords.bare);
+        let fit = embedded::TiledFit::new(&parts, keywords.given(), keywords.tuned(), &keywords.options, keywords.bare);
         Ok(TiledFit { fit: fit.map_err(|refusal| errors::refusal(py, &refusal))? })
     }
 

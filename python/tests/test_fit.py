@@ -193,3 +193,18 @@ def test_shapes_side_by_side_have_their_shares() -> None:
     shape = palpate.fit(x, y, bump, normals=normal).shape
     assert shape.class_name is None and len(shape.class_by_area) > 1
     assert all(0.1 <= share <= 1 for share in shape.class_by_area.values())
+
+
+def test_numbers_that_decide_about_an_adaptive_surface() -> None:
+    random = np.random.default_rng(11)
+    x, y = random.uniform(-1, 1, (2, 20_000))
+    z = 0.05 * np.exp(-((x - 0.1) ** 2 + y**2) / 0.003) + 0.002 * random.standard_normal(20_000)
+    halvings = [
+        palpate.fit(x, y, z, adaptive=adaptive).to_dict()["fit"]["adaptive"]["halvings"]
+        for adaptive in (True, {"deepest_level": 2}, {"last_halving": True, "false_discovery_rate": 0.001})
+    ]
+    assert halvings[1] == 2 and halvings[2] == halvings[0] + 1 > 3
+    with pytest.raises(palpate.FitError, match="no such option"):
+        palpate.fit(x, y, z, adaptive={"no_such_thing": 1})
+    with pytest.raises(TypeError, match="names and numbers"):
+        palpate.fit(x, y, z, adaptive={"deepest_level": "two"})

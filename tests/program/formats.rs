@@ -81,7 +81,7 @@ fn meshes_hold_the_points_that_their_headers_say() {
     let head = String::from_utf8(ply[..end].to_vec()).unwrap();
     assert!(head.contains("element vertex 20") && head.contains("element face 24"), "{head}");
     let doubles = head.matches("property double").count();
-    assert!(head.contains("property double u_S") && doubles == 14, "{head}");
+    assert!(head.contains("property double u_S") && doubles == 16, "{head}");
     assert_eq!(ply.len() - end, points * doubles * 8 + triangles * 13);
     // the corner of the domain, to the bit
     let x = f64::from_le_bytes(ply[end..end + 8].try_into().unwrap());

@@ -20,6 +20,7 @@ mod frontier;
 mod fuzz_seeds;
 mod hostile;
 mod large_grids;
+mod large_tables;
 mod live;
 mod meshes;
 mod newcomers_files;

@@ -42,6 +42,8 @@ pub(crate) const VALUES: &[(&str, &str)] = &[
     ("--viewpoint", "0,0,-90"),
     ("--intrinsics", "500,500,20,20"),
     ("--columns", "x=y,y=x,z=z"),
+    ("--memory", "0"),
+    ("--tune", "least_contacts=4"),
     ("--tolerance", "2"),
     ("--points", "q.csv"),
     ("--library", "known"),

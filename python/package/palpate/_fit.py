@@ -8,6 +8,7 @@ Lengths are in the input's unit, curvatures in its inverse, angles in degrees; w
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
@@ -310,7 +311,7 @@ def fit(
     station: Numbers | None = None,
     flip_normals: bool = False,
     surface: str | None = None,
-    adaptive: bool = False,
+    adaptive: bool | Mapping[str, float] = False,
     closed: str | tuple[bool, bool] | None = None,
     degree: Pair | None = None,
     segments: Pair | None = None,
@@ -346,7 +347,8 @@ def fit(
     Where nothing names a model, the contacts are recognised, as `palpate fit FILE` does. Any of surface, adaptive, closed, degree,
     segments, knots, domain, weights, sigma, method and smooth names a model and gives exactly that fit; robust, frame, grid and
     inset name none. sigma_xy declares the sd of errors in x and in y, and names nothing. adaptive=True splits cells until nothing but noise is left: many contacts over x and y, with
-    features far smaller than the whole; degree, domain, sigma, grid, inset and level go with it. bare=True leaves out certificate and uncertainties of a named model. unit, such as "mm", is said beside
+    features far smaller than the whole; degree, domain, sigma, grid, inset and level go with it, and a dict in place of True names numbers that
+    decide, such as {"false_discovery_rate": 0.05, "last_halving": True}. bare=True leaves out certificate and uncertainties of a named model. unit, such as "mm", is said beside
     every length of the printed table and of the document; nothing is converted.
 
     Arrays of float64 are read where they lie, whatever their strides, into the columns that the fit owns: one copy of the

@@ -13,13 +13,15 @@ use palpate_hierarchical::HierarchyError;
 use palpate_hierarchical::adaptive::{AdaptiveFit, AdaptiveOptions, RowVariances, ShapeQuestion, fit_adaptive};
 
 use super::found::{Found, Refusal};
+use super::options::FitFlags;
 use super::pixels::weighed_contacts_of;
+use super::tuned::{TunedOption, tuned_option};
 
 /// Points of the shape grid each way where none were typed: features of a hundredth of the patch count in the means.
 pub(super) const GRID: [usize; 2] = [65; 2];
 
 /// Whether an adaptive surface was asked for.
-#[derive(Args, Clone, Copy, Debug, Default)]
+#[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Fit")]
 pub(super) struct AdaptiveFlags {
     /// Small cells where the contacts ask for them: many contacts, with features far smaller than the whole
@@ -27,21 +29,35 @@ pub(super) struct AdaptiveFlags {
     /// The surface is z over x, y. Cells are split until nothing but noise is left, and contacts far off what is around count for nothing
     #[arg(long, conflicts_with_all = ["surface", "closed", "segments", "weights", "method", "smooth", "robust", "frame", "sigma_xy"])]
     pub(super) adaptive: bool,
+    /// Numbers that decide about an adaptive surface, such as false_discovery_rate=0.05,last_halving=on
+    ///
+    /// false_discovery_rate (default 0.01) is the share of cells that may be split by chance; deepest_level (12) says how small they get; last_halving (off) halves the last ones once more, and intervals near features hold more often; clip and reject (3, 4.5) are scales of outliers; most_factor_entries (5e8) and posterior_draws (64) bound memory. AdaptiveOptions in the library's documentation has them all
+    #[arg(long, hide_short_help = true, value_name = "NAME=VALUE,..", value_delimiter = ',', value_parser = tuned_option, requires = "adaptive", conflicts_with_all = ["surface", "closed", "segments", "weights", "method", "smooth", "robust", "frame", "sigma_xy"])]
+    pub(super) tune: Vec<TunedOption>,
+}
+
+impl AdaptiveFlags {
+    /// All that was typed for an adaptive surface.
+    pub(super) fn typed(&self, fit: &FitFlags) -> TypedForAdaptive {
+        TypedForAdaptive { degree: fit.typed_degree(), grid: fit.typed_grid(), tuned: self.tune.clone() }
+    }
 }
 
 /// What was typed, and means another thing for other surfaces where it was not.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct TypedForAdaptive {
     /// Degrees in x and y.
     pub(super) degree: Option<[usize; 2]>,
     /// Points of the shape grid.
     pub(super) grid: Option<[usize; 2]>,
+    /// Other numbers.
+    pub(super) tuned: Vec<TunedOption>,
 }
 
 /// The answer of exactly this model; domain and sigma are those of the options.
 pub(super) fn adaptive_model(
     input: &Input,
-    typed: TypedForAdaptive,
+    typed: &TypedForAdaptive,
     options: &FitOptions,
     bare: bool,
 ) -> Result<Found, Refusal> {
@@ -50,7 +66,7 @@ pub(super) fn adaptive_model(
         Input::Contacts(contacts) => Cow::Borrowed(contacts),
         Input::Grid(grid) => Cow::Owned(weighed_contacts_of(grid)),
     };
-    let asked = adaptive_options(typed.degree, options, bare).map_err(Refusal::Fit)?;
+    let asked = adaptive_options(typed, options, bare).map_err(Refusal::Fit)?;
     let fit = fit_adaptive(&contacts, &asked).map_err(|error| refused(error, contacts.len(), options))?;
     Ok(adaptive_found(fit, &contacts, options, typed.grid.unwrap_or(GRID)))
 }
@@ -70,12 +86,17 @@ pub(super) fn adaptive_found(fit: AdaptiveFit, contacts: &Contacts, options: &Fi
 }
 
 pub(super) fn adaptive_options(
-    degree: Option<[usize; 2]>,
+    typed: &TypedForAdaptive,
     options: &FitOptions,
     bare: bool,
 ) -> Result<AdaptiveOptions, FitError> {
-    let defaults = AdaptiveOptions::default();
-    let degree = match degree {
+    let mut defaults = AdaptiveOptions::default();
+    let tuned = typed.tuned.iter().try_for_each(|tuned| tuned.set(&mut defaults));
+    tuned.map_err(|error| match error {
+        HierarchyError::Option { option, value, expected } => FitError::Option { option, value, expected },
+        error => FitError::Word { expected: error.to_string() },
+    })?;
+    let degree = match typed.degree {
         None => defaults.degree,
         Some([p, q]) if p == q => p,
         Some([p, q]) => {

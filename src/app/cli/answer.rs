@@ -5,7 +5,7 @@ use crate::report::{Answer, Description, Seconds, Subject, describe_fit};
 use palpate_fitting::fit::FitOptions;
 use palpate_inference::recognition::RecognitionOptions;
 
-use super::adaptive_model::{TypedForAdaptive, adaptive_model};
+use super::adaptive_model::{AdaptiveFlags, adaptive_model};
 use super::explicit_model::{counting_other_kinds, fit_input, with_own_axes_where_steep};
 use super::failure::fit_message;
 use super::found::{Found, Refusal};
@@ -16,8 +16,8 @@ use super::recognise_or_fit::automatic;
 pub(super) struct Question<'a> {
     /// What was typed.
     pub(super) flags: &'a FitFlags,
-    /// An adaptive surface was asked for.
-    pub(super) adaptive: bool,
+    /// Whether an adaptive surface was asked for, and how.
+    pub(super) adaptive: &'a AdaptiveFlags,
     /// What it is typed over.
     pub(super) base: FitOptions,
     /// Certificate, uncertainties and intervals are declined.
@@ -29,9 +29,8 @@ pub(super) struct Question<'a> {
 /// The answer, or why there is none.
 pub(super) fn answer(input: &Input, question: &Question) -> Result<Found, Refusal> {
     let mut fit = question.flags.over(question.base.clone());
-    if question.adaptive {
-        let typed = TypedForAdaptive { degree: question.flags.typed_degree(), grid: question.flags.typed_grid() };
-        return adaptive_model(input, typed, &fit, question.bare);
+    if question.adaptive.adaptive {
+        return adaptive_model(input, &question.adaptive.typed(question.flags), &fit, question.bare);
     }
     if question.flags.names_a_model() {
         let notes = with_own_axes_where_steep(input, &mut fit).into_iter().collect();

@@ -45,7 +45,10 @@ pub(super) fn describe(
     let description = description_of(answer, name, subject, taken)?;
     let saved = (to.save.is_some() || to.output.out.is_some()).then(|| description.saved());
     files(&description, saved.as_ref(), name, to.output, to.words, &to.provenance)?;
-    if let Input::Contacts(contacts) = subject.input {
+    // those that came in pieces are not here
+    if let Input::Contacts(contacts) = subject.input
+        && !contacts.is_empty()
+    {
         let remark = subject.truth.and_then(inverse_crime_remark);
         to.output
             .file("contacts.csv", &mut |out| write_contacts(contacts, ContactFormat::Csv, remark.as_deref(), out))?;

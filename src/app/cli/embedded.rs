@@ -38,6 +38,7 @@ use super::live::LiveArgs;
 use super::merge::join;
 use super::scene::{self, Source};
 use super::study_plan::{Plan, StudyArgs};
+pub use super::tuned::TunedOption;
 use super::until::Until;
 use super::{frontier_input, frontier_scene, values};
 

@@ -22,6 +22,7 @@ use super::answer::recognition_of;
 use super::explicit_model::fit_input;
 use super::found::{Found, Refusal};
 use super::recognise_or_fit::automatic;
+use super::tuned::TunedOption;
 
 /// Why there is no fit.
 #[derive(Debug)]
@@ -42,7 +43,7 @@ impl From<Refusal> for FitRefusal {
 }
 
 /// Which surface is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum AskedSurface {
     /// What the contacts show.
     Recognised,
@@ -54,6 +55,8 @@ pub enum AskedSurface {
         degree: Option<[usize; 2]>,
         /// Points of the shape grid.
         grid: Option<[usize; 2]>,
+        /// Other numbers.
+        tuned: Vec<TunedOption>,
     },
 }
 
@@ -81,20 +84,20 @@ impl FitAnswer {
         bare: bool,
     ) -> Result<FitAnswer, FitRefusal> {
         let clock = Instant::now();
+        let uncertain = asked == AskedSurface::Spline && !bare;
         let found = match asked {
             AskedSurface::Spline => {
                 let (found, chosen) = fit_input(&input, options).map_err(FitRefusal::Fit)?;
                 Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: Vec::new() }
             }
-            AskedSurface::Adaptive { degree, grid } => {
-                adaptive_model(&input, TypedForAdaptive { degree, grid }, options, bare)?
+            AskedSurface::Adaptive { degree, grid, tuned } => {
+                adaptive_model(&input, &TypedForAdaptive { degree, grid, tuned }, options, bare)?
             }
             AskedSurface::Recognised => {
                 options.check().map_err(FitRefusal::Fit)?;
                 automatic(&input, &recognition_of(options, viewpoint), options)?
             }
         };
-        let uncertain = asked == AskedSurface::Spline && !bare;
         Ok(FitAnswer { input, found, bare, uncertain, seconds: clock.elapsed().as_secs_f64() })
     }
 

@@ -8,8 +8,9 @@
 
 use std::time::Instant;
 
-use super::adaptive_model::{GRID, adaptive_found, adaptive_options, refused};
+use super::adaptive_model::{GRID, TypedForAdaptive, adaptive_found, adaptive_options, refused};
 use super::embedded_fits::{FitAnswer, FitRefusal};
+use super::tuned::TunedOption;
 use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::shape::Outline;
@@ -153,11 +154,13 @@ impl TiledFit {
     pub fn new(
         parts: &[(usize, [[f64; 2]; 3])],
         [degree, grid]: [Option<[usize; 2]>; 2],
+        tuned: Vec<TunedOption>,
         options: &FitOptions,
         bare: bool,
     ) -> Result<TiledFit, FitRefusal> {
         options.check().map_err(FitRefusal::Fit)?;
-        let asked = adaptive_options(degree, options, bare).map_err(FitRefusal::Fit)?;
+        let asked =
+            adaptive_options(&TypedForAdaptive { degree, grid, tuned }, options, bare).map_err(FitRefusal::Fit)?;
         let of = |(count, [x, y, z]): &(usize, [[f64; 2]; 3])| ContactBounds { count: *count, x: *x, y: *y, z: *z };
         let bounds = parts.iter().map(of).fold(ContactBounds::NONE, ContactBounds::with);
         let ground = TileGround::of(&bounds, &asked).map_err(|error| refused(error, bounds.count, options))?;

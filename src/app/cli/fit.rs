@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use crate::io::{Input, ReadOptions, Reading, read_input};
+use crate::io::{Input, OpenedInput, PieceRule, ReadOptions, Reading, open_input, read_input};
 use crate::report::{Answer, ChosenPart, FitDocument, LackOfFitPart, Subject};
 use palpate_fitting::fit::{FitError, FitOptions};
 use palpate_geometry::contact::ContactError;
@@ -15,7 +15,9 @@ use super::answer::{Question, answer};
 use super::batch;
 use super::describe::{Destination, Taken, describe, document_of};
 use super::failure::{Failure, fit_message};
+use super::fit_in_pieces::{PiecesAnswer, PiecesQuestion, fit_in_pieces};
 use super::found::{Found, Refusal};
+use super::memory::MemoryFlags;
 use super::options::{FitFlags, OutputFlags, WordsFlags};
 use super::output::Spinner;
 use super::preparation::PreparationFlags;
@@ -55,6 +57,8 @@ pub(super) struct FitArgs {
     #[command(flatten)]
     reading: ReadFlags,
     #[command(flatten)]
+    memory: MemoryFlags,
+    #[command(flatten)]
     adaptive: AdaptiveFlags,
     #[command(flatten)]
     fit: FitFlags,
@@ -74,6 +78,34 @@ impl FitArgs {
     fn read_options(&self) -> ReadOptions {
         let keep_zero_normals = !self.names_a_model() || self.preparation.needs_no_normals();
         ReadOptions { keep_zero_normals, ..self.reading.options(self.skip_invalid) }
+    }
+
+    fn pieces_question(&self) -> PiecesQuestion<'_> {
+        PiecesQuestion {
+            typed: self.adaptive.typed(&self.fit),
+            options: self.fit.over(FitOptions::default()),
+            preparation: &self.preparation,
+            bare: self.bare,
+            memory: self.memory.bytes(),
+            is_unnamed: !self.adaptive.adaptive,
+        }
+    }
+
+    /// What would take more memory than it may is fitted in pieces; models other than an adaptive one take all contacts at once.
+    fn open(&self, input: &Path) -> Result<OpenedInput, Failure> {
+        let (options, typed) = (self.read_options(), self.memory.memory.is_some());
+        if self.fit.names_a_model() && !self.adaptive.adaptive {
+            if typed {
+                let what = "--memory is for an adaptive surface: every other model takes all contacts at once";
+                return Err(Failure::Input(what.into()));
+            }
+            let reading = read_input(input, &options).map_err(ReadFlags::refused)?;
+            return Ok(OpenedInput::Whole(Box::new(reading)));
+        }
+        let keep_zero_normals = self.preparation.needs_no_normals();
+        let pieces = ReadOptions { keep_zero_normals, ..options.clone() };
+        let rule = PieceRule { memory: self.memory.bytes(), options: pieces, strict: typed };
+        open_input(input, &options, &rule).map_err(ReadFlags::refused)
     }
 }
 
@@ -157,12 +189,22 @@ impl Outcome {
     /// `spinner` shows what is done.
     fn of(input: &Path, args: &FitArgs, spinner: Option<&Spinner>) -> Result<Outcome, Failure> {
         let began = Instant::now();
-        let read = || read_input(input, &args.read_options());
-        let mut reading = match spinner {
+        let read = || args.open(input);
+        let opened = match spinner {
             Some(spinner) => spinner.while_reading(read),
             None => read(),
-        }
-        .map_err(ReadFlags::refused)?;
+        };
+        let mut reading = match opened? {
+            OpenedInput::Whole(reading) => *reading,
+            OpenedInput::Pieces(pieces) => {
+                let question = args.pieces_question();
+                return One::of_pieces(fit_in_pieces(*pieces, &question, spinner)?, args, began);
+            }
+            OpenedInput::TooLarge(file) => {
+                let what = "tables of text alone are fitted in pieces, and it takes more than --memory";
+                return Err(Failure::Input(format!("{file}: {what}")));
+            }
+        };
         let prepared = args.preparation.apply(&mut reading)?;
         let read = began.elapsed().as_secs_f64();
         let clock = Instant::now();
@@ -187,6 +229,16 @@ impl Outcome {
 }
 
 impl One {
+    /// Of contacts that came in pieces; reading and fitting are one.
+    fn of_pieces(answer: PiecesAnswer, args: &FitArgs, began: Instant) -> Result<Outcome, Failure> {
+        let PiecesAnswer { found: Found { answer, chosen, lack_of_fit, notes: own }, reading } = answer;
+        let mut notes = notes(&reading);
+        notes.extend(own);
+        notes.extend(args.fit.without_effect(&answer, &reading.input));
+        let taken = Taken { began, read: 0.0, fitted: began.elapsed().as_secs_f64() };
+        Ok(Outcome::Surface(Box::new(One { reading, answer, chosen, lack_of_fit, notes, taken })))
+    }
+
     fn subject(&self, args: &FitArgs) -> Subject<'_> {
         Subject {
             chosen: self.chosen.clone(),
@@ -209,7 +261,7 @@ fn answer_to(reading: &Reading, args: &FitArgs) -> Result<Found, Refusal> {
         return Err(Refusal::Shape(what.into()));
     }
     let viewpoint = viewpoint.or(seen_from(reading));
-    let adaptive = args.adaptive.adaptive;
+    let adaptive = &args.adaptive;
     let question = Question { flags: &args.fit, adaptive, base: FitOptions::default(), bare: args.bare, viewpoint };
     answer(&reading.input, &question)
 }

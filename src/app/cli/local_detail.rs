@@ -11,28 +11,15 @@ use crate::report::Answer;
 use palpate_fitting::fit::FitOptions;
 use palpate_fitting::parametric::FittedSurface;
 use palpate_geometry::contact::Contacts;
-use palpate_hierarchical::adaptive::{AdaptiveFit, AdaptiveOptions, fit_adaptive};
+use palpate_hierarchical::adaptive::{AdaptiveFit, AdaptiveOptions, DetailRule, fit_adaptive};
 use palpate_hierarchical::field::HierarchicalField;
 use palpate_inference::recognition::{Hypothesis, Recognition};
-
-/// What decides whether small features are looked for, and believed.
-#[derive(Clone, Copy, Debug)]
-struct DetailRule {
-    /// Fewer contacts show no features beside a surface. Default 2,000: a base grid of 64 cells with 32 contacts each.
-    fewest_contacts: usize,
-    /// Share of the patch that small cells cover at most. Default a half.
-    most_covered: f64,
-    /// Least cosine between the surface's normal in the middle and z. Default 0.7, as for height fields.
-    level: f64,
-}
-
-const RULE: DetailRule = DetailRule { fewest_contacts: 2_000, most_covered: 0.5, level: 0.7 };
 
 /// Whether a surface is of no simple form and stands level over x and y, so that an adaptive one can say more.
 pub(super) fn is_free_form(smooth: &Answer) -> bool {
     match smooth {
         Answer::Recognised(found) => {
-            found.hypothesis == Hypothesis::Displaced && found.frame.axes[2][2].abs() >= RULE.level
+            found.hypothesis == Hypothesis::Displaced && found.frame.axes[2][2].abs() >= DetailRule::default().level
         }
         Answer::Fitted(FittedSurface::Height(fit)) => fit.frame().keeps_axes(),
         _ => false,
@@ -41,7 +28,8 @@ pub(super) fn is_free_form(smooth: &Answer) -> bool {
 
 /// The adaptive surface that says more of the contacts than `smooth`, a free form, does, where there is one.
 pub(super) fn local_detail(contacts: &Contacts, smooth: &Answer, options: &FitOptions) -> Option<AdaptiveFit> {
-    if contacts.len() < RULE.fewest_contacts {
+    let rule = DetailRule::default();
+    if contacts.len() < rule.fewest_contacts {
         return None;
     }
     let scatter = match smooth {
@@ -53,7 +41,7 @@ pub(super) fn local_detail(contacts: &Contacts, smooth: &Answer, options: &FitOp
     let fit = fit_adaptive(contacts, &AdaptiveOptions { domain, ..AdaptiveOptions::default() }).ok()?;
     let (report, count) = (fit.report(), contacts.len() as f64);
     let gain = count * (scatter / report.rms).ln();
-    let local = (0.0..RULE.most_covered).contains(&covered(fit.field())) && report.rounds.len() > 1;
+    let local = (0.0..rule.most_covered).contains(&covered(fit.field())) && report.rounds.len() > 1;
     (local && gain > 0.5 * report.freedom? * count.ln()).then_some(fit)
 }
 

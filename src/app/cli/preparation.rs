@@ -155,10 +155,36 @@ impl PreparationFlags {
                 (taken, all)
             }
         };
-        if taken == 0 {
-            let what = "no contact lies in the part that --near or --box asks for";
-            return Err(Failure::Input(format!("{}: {what}", reading.file)));
-        }
-        Ok(format!("{taken} of {all} contacts are in the part that was asked for"))
+        taken_part([taken, all]).map_err(|what| Failure::Input(format!("{}: {what}", reading.file)))
     }
+
+    /// Why contacts that come in pieces cannot be prepared so, where they cannot.
+    pub(super) fn check_pieces(&self) -> Result<(), &'static str> {
+        match (self.estimates_normals(), self.viewpoint) {
+            (true, _) => {
+                Err("normals are estimated of all contacts at once, which would take more memory than --memory allows")
+            }
+            (false, Some(_)) => {
+                Err("a viewpoint changes nothing for an adaptive surface: --flip-normals reverses normals")
+            }
+            (false, None) => Ok(()),
+        }
+    }
+
+    /// The same for contacts of which the part was taken before.
+    pub(super) fn without_part(&self) -> PreparationFlags {
+        PreparationFlags { near: None, bounds: None, ..self.clone() }
+    }
+
+    /// What is said of the part that was asked for, where one was, by the contacts in it and by all; an error where none are.
+    pub(super) fn part_note(&self, taken_and_all: [usize; 2]) -> Option<Result<String, &'static str>> {
+        (self.near.is_some() || self.bounds.is_some()).then(|| taken_part(taken_and_all))
+    }
+}
+
+fn taken_part([taken, all]: [usize; 2]) -> Result<String, &'static str> {
+    if taken == 0 {
+        return Err("no contact lies in the part that --near or --box asks for");
+    }
+    Ok(format!("{taken} of {all} contacts are in the part that was asked for"))
 }

@@ -108,8 +108,7 @@ fn found_in(input: &Input, scene: &SceneFile, args: &RunArgs) -> Result<Found, R
     }
     // weights are of the scene's own model alone
     let base = FitOptions { objective: FitOptions::default().objective, ..scene.fit.clone() };
-    let adaptive = args.adaptive.adaptive;
-    answer(input, &Question { flags: &args.fit, adaptive, base, bare: args.bare, viewpoint: None })
+    answer(input, &Question { flags: &args.fit, adaptive: &args.adaptive, base, bare: args.bare, viewpoint: None })
 }
 
 /// What to do with a body of several faces, which one patch rounds off; after `join`. Nothing for other surfaces.

@@ -12,6 +12,9 @@ use super::abandoned::{remove_abandoned, temporary_prefix};
 
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
+/// How often the removal of what is unfinished is tried.
+const REMOVALS: usize = 20;
+
 fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -85,8 +88,9 @@ pub(super) fn release(path: &Path) {
 pub(crate) fn remove_unfinished() {
     let mut unfinished = unfinished();
     for path in std::mem::take(&mut *unfinished) {
-        // nothing can be done about what cannot be removed, and the process is ending
-        let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+        // a thread may still put files into a folder; nothing can be done about what stays, and the process is ending
+        let remove = || if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
+        let _ = (0..REMOVALS).any(|_| remove().is_ok());
     }
     std::mem::forget(unfinished);
 }

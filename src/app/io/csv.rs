@@ -11,7 +11,7 @@ use super::finger_names::FingerNames;
 use super::place::{Place, Runs, Unit};
 use super::read_progress::tell_line;
 use super::separator::Separator;
-use super::table_form::{is_aside, table_form};
+use super::table_form::{TableForm, is_aside, table_form};
 use super::{IoError, ReadOptions, Reading, ending};
 
 /// The columns of a table with where they come from.
@@ -32,49 +32,83 @@ pub(super) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Result<Re
 
 /// The known columns of a table and the line of each row. Fields that are no number become NaN under `skip_invalid`.
 pub(super) fn read_columns(file: &str, bytes: &[u8], need: Need, options: &ReadOptions) -> Result<Table, IoError> {
-    let text = utf8(file, bytes)?;
+    let text = utf8(file, bytes, 1)?;
     let form = table_form(file, text, &ending(file), need, options.columns.as_ref())?;
-    let rows = text
-        .split('\n')
-        .enumerate()
-        .skip(form.first_row)
-        .map(|(index, line)| (index + 1, line.trim()))
-        .filter(|(_, line)| !is_aside(line));
-    let names: Vec<&str> = form.names.iter().map(String::as_str).collect();
-    let titles: Vec<&str> = form.titles.iter().map(String::as_str).collect();
-    let mut columns = Columns::titled(file, &names, &titles, need)?;
-    columns.unit = form.unit;
+    let mut rows = TableRows::new(file, form, need);
+    let first = rows.form.first_row;
+    let below = text.split('\n').enumerate().skip(first).map(|(index, line)| (index + 1, line));
+    let (columns, lines) = rows.read(below, options, |row| tell_line(text, row))?;
+    Ok(Table { columns, lines, notes: rows.notes() })
+}
 
-    // per field of a row: which of `targets` it goes to
-    let mut targets: Vec<(Column, Vec<f64>)> = Vec::new();
-    let slots: Vec<Option<usize>> = names
-        .iter()
-        .map(|name| {
-            let column = Column::of(name).filter(|c| columns.has(*c))?;
-            targets.push((column, Vec::new()));
-            Some(targets.len() - 1)
-        })
-        .collect();
-    let mut lines = Runs::default();
-    let titles = &titles[..];
-    let mut reader = RowReader { file, separator: form.separator, slots: &slots, titles, fingers: None };
-    for (line, row) in rows {
-        tell_line(text, row);
-        match reader.read_row(line, row, &mut targets) {
-            Ok(()) => {}
-            Err(fault) if !options.skip_invalid => return Err(fault),
-            Err(_) => targets.iter_mut().for_each(|(_, values)| {
-                values.truncate(lines.len());
-                values.push(f64::NAN);
-            }),
+/// Rows of a table whose layout is known, a run of lines at a time.
+pub(super) struct TableRows {
+    file: String,
+    pub(super) form: TableForm,
+    need: Need,
+    /// Names of fingers go on from run to run.
+    fingers: Option<FingerNames>,
+}
+
+impl TableRows {
+    pub(super) fn new(file: &str, form: TableForm, need: Need) -> TableRows {
+        TableRows { file: file.into(), form, need, fingers: None }
+    }
+
+    /// What was assumed because nothing said it, and what became of fingers' names.
+    pub(super) fn notes(&self) -> Vec<String> {
+        self.form.note.iter().cloned().chain(self.fingers.as_ref().and_then(FingerNames::note)).collect()
+    }
+
+    /// Columns of these lines, each with its number, and the numbers of those that are rows; `told` hears of each.
+    pub(super) fn read<'t>(
+        &mut self,
+        below: impl Iterator<Item = (usize, &'t str)>,
+        options: &ReadOptions,
+        told: impl Fn(&str),
+    ) -> Result<(Columns, Runs), IoError> {
+        let TableRows { file, form, need, fingers } = self;
+        let names: Vec<&str> = form.names.iter().map(String::as_str).collect();
+        let titles: Vec<&str> = form.titles.iter().map(String::as_str).collect();
+        let mut columns = Columns::titled(file, &names, &titles, *need)?;
+        columns.unit.clone_from(&form.unit);
+        let (slots, mut targets) = slots_and_targets(&names, &columns);
+        let mut lines = Runs::default();
+        let (titles, separator, before) = (&titles[..], form.separator, fingers.take());
+        let mut reader = RowReader { file, separator, slots: &slots, titles, fingers: before };
+        for (line, row) in below.map(|(line, text)| (line, text.trim())).filter(|(_, row)| !is_aside(row)) {
+            told(row);
+            match reader.read_row(line, row, &mut targets) {
+                Ok(()) => {}
+                Err(fault) if !options.skip_invalid => return Err(fault),
+                Err(_) => targets.iter_mut().for_each(|(_, values)| {
+                    values.truncate(lines.len());
+                    values.push(f64::NAN);
+                }),
+            }
+            lines.push(line);
         }
-        lines.push(line);
+        *fingers = reader.fingers;
+        for (column, values) in targets {
+            columns.set(column, values);
+        }
+        Ok((columns, lines))
     }
-    for (column, values) in targets {
-        columns.set(column, values);
-    }
-    let notes = form.note.into_iter().chain(reader.fingers.as_ref().and_then(FingerNames::note)).collect();
-    Ok(Table { columns, lines, notes })
+}
+
+/// Columns that fields of a row go to.
+type FieldTargets = Vec<(Column, Vec<f64>)>;
+
+/// Per field of a row which of the targets it goes to, and the targets, empty.
+fn slots_and_targets(names: &[&str], columns: &Columns) -> (Vec<Option<usize>>, FieldTargets) {
+    let mut targets: FieldTargets = Vec::new();
+    let slots = names.iter().map(|name| {
+        let column = Column::of(name).filter(|c| columns.has(*c))?;
+        targets.push((column, Vec::new()));
+        Some(targets.len() - 1)
+    });
+    let slots = slots.collect();
+    (slots, targets)
 }
 
 /// Reads the fields of one row after another.
@@ -147,11 +181,12 @@ impl RowReader<'_> {
     }
 }
 
-fn utf8<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a str, IoError> {
+/// Text whose first line has this number in the file.
+pub(super) fn utf8<'a>(file: &str, bytes: &'a [u8], first_line: usize) -> Result<&'a str, IoError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     std::str::from_utf8(bytes).map_err(|error| {
         let before = &bytes[..error.valid_up_to()];
-        let line = 1 + before.iter().filter(|b| **b == b'\n').count();
+        let line = first_line + before.iter().filter(|b| **b == b'\n').count();
         IoError::NotUtf8 { file: file.into(), line }
     })
 }

@@ -80,6 +80,23 @@ pub(super) fn fetch(mut from: impl Read, total: Option<usize>, bytes: &mut Vec<u
     Ok(())
 }
 
+/// The same up to so many bytes; whether that was all that comes.
+pub(super) fn fetch_up_to(
+    mut from: impl Read,
+    total: Option<usize>,
+    most: usize,
+    bytes: &mut Vec<u8>,
+) -> std::io::Result<bool> {
+    while bytes.len() < most {
+        let step = STEP_BYTES.min(most - bytes.len());
+        if from.by_ref().take(step as u64).read_to_end(bytes)? == 0 {
+            return Ok(true);
+        }
+        tell(ReadPhase::Fetching, bytes.len(), total);
+    }
+    Ok(false)
+}
+
 /// Bytes that tell how many of them were taken.
 pub(super) struct Counted<'a> {
     rest: &'a [u8],

@@ -208,6 +208,9 @@ pub(crate) struct AdaptivePart {
     pub(crate) freedom: Option<f64>,
     /// Numbers in the factor of the equations.
     pub(crate) factor_entries: usize,
+    /// Share by which standard uncertainties at points are off because they come by random draws; `null` where they are exact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) draws_error: Option<f64>,
 }
 
 /// Standard deviations of the noise.

@@ -328,8 +328,15 @@ fn in_space() -> FitDocument {
 fn in_cells(freedom: Option<f64>) -> FitDocument {
     let mut document = full();
     document.fit.chosen = Some(ChosenPart::new("adaptive", "asked for".into()));
-    document.fit.adaptive =
-        Some(AdaptivePart { cells: 4, halvings: 1, rounds: 2, left_out: 1, freedom, factor_entries: 10 });
+    document.fit.adaptive = Some(AdaptivePart {
+        cells: 4,
+        halvings: 1,
+        rounds: 2,
+        left_out: 1,
+        freedom,
+        factor_entries: 10,
+        draws_error: Some(0.01),
+    });
     document.surface.kind = "adaptive".into();
     document.surface.splits = Some(vec![[0; 3]]);
     document

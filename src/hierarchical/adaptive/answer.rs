@@ -1,17 +1,21 @@
 //! An adaptive fit in the units of its contacts: the surface, its noise and its standard uncertainties.
 //!
 //! ```text
-//! cov c = sigma^2 (A + lambda P)^-1        u^2 = g' cov g,   g a functional's derivatives by the coefficients
+//! cov c = sigma^2 (A + lambda P)^-1        u^2 = g' cov g + (g'b)^2 + e^2,   g a functional's derivatives by the coefficients
+//! b = (A + lambda P)^-1 lambda P c         e: what is smaller than the cells, by the leading term of a spline's error
 //! ```
 //!
 //! The covariance is that of the surface given the contacts when its roughness is drawn from the penalty's own law: over the points of a
-//! surface it covers what smoothing takes away, too (G. Wahba, *J. R. Stat. Soc. B* 45 (1983) 133). All functions that a point needs meet
-//! on its cell, so the entries of the inverse along the factor suffice.
+//! surface it covers what smoothing takes away, too (G. Wahba, *J. R. Stat. Soc. B* 45 (1983) 133). At peaks more is taken away than on average:
+//! b is what the roughness takes off a surface like the one that was found. All functions that a point needs meet
+//! on its cell, so the entries of the inverse along the factor suffice. Where the factor would be too large, blocks of it and random draws take
+//! its place.
 
 use super::refinement::RefinementRound;
 use super::system::FitWork;
+use super::unresolved::unresolved_variance;
 use crate::error::HierarchyError;
-use crate::factor::{EquationSolver, SelectedInverse};
+use crate::factor::{EquationSolver, PointInverse};
 use crate::field::HierarchicalField;
 use crate::space::LocalFunction;
 use palpate_geometry::contact::Frame;
@@ -25,7 +29,9 @@ pub struct AdaptiveFit {
     pub(super) field: HierarchicalField,
     pub(super) frame: Frame,
     pub(super) factor: EquationSolver,
-    pub(super) inverse: Option<SelectedInverse>,
+    pub(super) inverse: Option<PointInverse>,
+    /// What roughness takes off the surface, as far as the surface tells; known with the inverse.
+    pub(super) smoothing: Option<HierarchicalField>,
     /// Variance of a height of weight 1, patch units.
     pub(super) variance: f64,
     pub(super) slope_sd: Option<f64>,
@@ -57,6 +63,11 @@ pub struct AdaptiveReport {
     pub backward_error: Option<f64>,
     /// Numbers in the factor, or in those of the blocks that precondition conjugate gradients.
     pub factor_entries: usize,
+    /// Whether conjugate gradients solved the equations, because the factor would have been too large.
+    pub by_gradients: bool,
+    /// Share by which random draws put standard uncertainties at points off, root mean square; `None` where nothing was drawn: from the
+    /// factor of the whole they are exact.
+    pub draws_error: Option<f64>,
     /// Where the time went.
     pub work: FitWork,
 }
@@ -159,6 +170,13 @@ fn combined(x: &BasisRow, y: &BasisRow, [a, b]: [usize; 2], w: [f64; 6]) -> f64 
     w[0] * of(0, 0) + w[1] * of(1, 0) + w[2] * of(0, 1) + w[3] * of(2, 0) + w[4] * of(1, 1) + w[5] * of(0, 2)
 }
 
+/// Weighted sum of the six numbers of a surface at a place.
+fn functional(field: &HierarchicalField, [u, v]: [f64; 2], weights: [f64; 6]) -> f64 {
+    let here = field.at(u, v);
+    let numbers = [here.z, here.zx, here.zy, here.zxx, here.zxy, here.zyy];
+    numbers.iter().zip(weights).map(|(number, weight)| number * weight).sum()
+}
+
 impl Heights for AdaptiveFit {
     fn height_at(&self, x: f64, y: f64) -> SurfacePoint {
         self.at(x, y)
@@ -195,14 +213,9 @@ impl Uncertain for AdaptiveFit {
         // only the third coordinate of a height field moves; derivatives of the input are those of the patch over its unit
         let scale = self.frame.scale;
         let units = [scale, 1.0, 1.0, 1.0 / scale, 1.0 / scale, 1.0 / scale];
-        let gradient = self.gradient(self.to_patch(at), std::array::from_fn(|k| by[k][2] * units[k]));
-        let mut sum = 0.0;
-        for (k, (i, g)) in gradient.iter().enumerate() {
-            sum += g * g * inverse.entry(*i as usize, *i as usize)?;
-            for (j, h) in &gradient[k + 1..] {
-                sum += 2.0 * g * h * inverse.entry(*i as usize, *j as usize)?;
-            }
-        }
-        Some((self.variance * sum.max(0.0)).sqrt())
+        let (place, weights) = (self.to_patch(at), std::array::from_fn(|k| by[k][2] * units[k]));
+        let noise = self.variance * inverse.quadratic(&self.gradient(place, weights))?.max(0.0);
+        let smoothed = self.smoothing.as_ref().map_or(0.0, |bias| functional(bias, place, weights).powi(2));
+        Some((noise + smoothed + unresolved_variance(&self.field, place, weights)).sqrt())
     }
 }

@@ -9,7 +9,7 @@
 
 use super::local_scale::ShareRule;
 use super::split_test::{CellEvidence, SplitLimits};
-use crate::equations::{CellSums, ContactResiduals, SortedContacts, SumLayout, SurfaceCells};
+use crate::equations::{CellSums, ContactResiduals, SortedContacts, SumLayout, SurfaceCells, scrambled};
 use crate::error::HierarchyError;
 use crate::field::HierarchicalField;
 use palpate_numeric::threads;
@@ -44,14 +44,6 @@ impl LeftOutContacts {
         let fingerprint = self.fingerprint.wrapping_add(other.fingerprint);
         LeftOutContacts { count: self.count + other.count, fingerprint }
     }
-}
-
-/// The mixer of G. Steele, D. Lea, C. Flood, *OOPSLA* (2014).
-fn scrambled(number: u64) -> u64 {
-    let mut z = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 /// Sums of weights, places and heights: w, wx, wy, wxx, wxy, wyy, wz, wxz, wyz.

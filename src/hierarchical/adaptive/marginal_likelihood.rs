@@ -12,24 +12,17 @@
 //! stands, cells are small, and the surface may bend there without bending everywhere. The step from the surface c0 at hand keeps D's
 //! digits where noise is far smaller than heights.
 
+use super::rules::LevelRule;
 use super::system::System;
 use crate::equations::MeetingPattern;
 use crate::error::HierarchyError;
 use crate::factor::{EquationSolver, SparseCholesky};
 use palpate_numeric::brent::maximum;
 use palpate_numeric::draws::Lcg;
+use palpate_numeric::threads;
 
 /// Natural logarithm of lambda is found to this accuracy: 10 % of lambda, which changes no digit that noise leaves.
 const ACCURACY: f64 = 0.1;
-/// A level's lambda moves at most by this factor in a step: far from the answer the steps are too long.
-const LONGEST_STEP: f64 = 100.0;
-/// Vectors of random signs.
-const PROBES: u64 = 8;
-/// Of a level's functions the roughness decides at least this share by itself: below, the traces are noise.
-const LEAST_LEFT: f64 = 0.01;
-/// The largest lambda over the one at which roughness and contacts weigh alike: the surface has no roughness at all there.
-const STIFFEST: f64 = 1e6;
-
 /// The equations of one step.
 #[derive(Debug)]
 pub(crate) struct StepEquations<'a> {
@@ -112,44 +105,53 @@ impl StepEquations<'_> {
     }
 }
 
-/// Lambdas of all levels after one step of the last formula, from the surface and the factor of the lambdas at hand.
-///
-/// The traces are means over vectors of random signs, `E z'(A + P)^-1 P_l z` (M. Hutchinson, *Commun. Stat. Simul.* 19 (1990) 433): of a
-/// level with r functions they are off by the share `1/sqrt(4 r)`, and each vector is one solution for all levels.
-pub(crate) fn lambdas_of_levels(
-    system: &System,
-    lambdas: &[f64],
-    coefficients: &[f64],
-    matrix: &[f64],
-    variance: f64,
-    smooth: f64,
-) -> Vec<f64> {
-    let pattern = &system.pattern;
-    let unknowns = coefficients.len();
-    let diagonal = |values: &[f64]| pattern.starts()[1..].iter().map(|end| values[end - 1]).collect::<Vec<f64>>();
-    let whole = diagonal(&system.rough(lambdas));
-    let contacts: f64 = diagonal(matrix).iter().sum();
-    let probes: Vec<[Vec<f64>; 2]> = (0..PROBES).map(|probe| signs_and_solution(system, unknowns, probe)).collect();
-    let free = (unknowns as f64 - smooth).max(1.0) / unknowns as f64;
-    let next = |(level, lambda): (usize, &f64)| {
-        let roughness = &system.roughness[level];
-        let total: f64 = roughness.diagonal().map(|(_, own)| own).sum();
-        let shares = roughness.diagonal().filter(|(k, _)| whole[*k] > 0.0).map(|(k, own)| lambda * own / whole[k]);
-        let rank = shares.sum::<f64>() * free;
-        let rough = roughness.form(coefficients, coefficients);
-        let trace = probes.iter().map(|[signs, solution]| roughness.form(signs, solution)).sum::<f64>() / PROBES as f64;
-        if total <= 0.0 || rank <= 0.0 {
-            return *lambda;
-        }
-        let most = (STIFFEST * contacts / total).max(*lambda);
-        let left = (rank - lambda * trace).max(LEAST_LEFT * rank);
-        let wanted = if rough > 0.0 { variance * left / rough } else { most };
-        wanted.clamp(lambda / LONGEST_STEP, lambda * LONGEST_STEP).min(most)
-    };
-    let mut found: Vec<f64> = lambdas.iter().enumerate().map(next).collect();
-    // cells are small where the surface is rougher than elsewhere: a few smooth ones among them must not stiffen the others
-    (1..found.len()).for_each(|level| found[level] = found[level].min(found[level - 1]));
-    found
+/// What the lambdas of levels are moved from: the surface and the factor of the lambdas at hand.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LevelStep<'a> {
+    pub lambdas: &'a [f64],
+    pub coefficients: &'a [f64],
+    /// Values of A.
+    pub matrix: &'a [f64],
+    pub variance: f64,
+    /// Dimension of the surfaces without roughness.
+    pub smooth: f64,
+}
+
+impl LevelStep<'_> {
+    /// Lambdas of all levels after one step of the last formula.
+    ///
+    /// The traces are means over vectors of random signs, `E z'(A + P)^-1 P_l z` (M. Hutchinson, *Commun. Stat. Simul.* 19 (1990) 433): of a
+    /// level with r functions they are off by the share `1/sqrt(4 r)`, and each vector is one solution for all levels.
+    pub(crate) fn next(&self, system: &System, rule: &LevelRule) -> Vec<f64> {
+        let LevelStep { lambdas, coefficients, matrix, variance, smooth } = *self;
+        let pattern = &system.pattern;
+        let unknowns = coefficients.len();
+        let diagonal = |values: &[f64]| pattern.starts()[1..].iter().map(|end| values[end - 1]).collect::<Vec<f64>>();
+        let whole = diagonal(&system.rough(lambdas));
+        let contacts: f64 = diagonal(matrix).iter().sum();
+        let probes = threads::map(rule.probes, 1, |probe| signs_and_solution(system, unknowns, probe as u64));
+        let free = (unknowns as f64 - smooth).max(1.0) / unknowns as f64;
+        let next = |(level, lambda): (usize, &f64)| {
+            let roughness = &system.roughness[level];
+            let total: f64 = roughness.diagonal().map(|(_, own)| own).sum();
+            let shares = roughness.diagonal().filter(|(k, _)| whole[*k] > 0.0).map(|(k, own)| lambda * own / whole[k]);
+            let rank = shares.sum::<f64>() * free;
+            let rough = roughness.form(coefficients, coefficients);
+            let traces = probes.iter().map(|[signs, solution]| roughness.form(signs, solution));
+            let trace = traces.sum::<f64>() / probes.len() as f64;
+            if total <= 0.0 || rank <= 0.0 {
+                return *lambda;
+            }
+            let most = (rule.stiffest * contacts / total).max(*lambda);
+            let left = (rank - lambda * trace).max(rule.least_left * rank);
+            let wanted = if rough > 0.0 { variance * left / rough } else { most };
+            wanted.clamp(lambda / rule.longest_step, lambda * rule.longest_step).min(most)
+        };
+        let mut found: Vec<f64> = lambdas.iter().enumerate().map(next).collect();
+        // cells are small where the surface is rougher than elsewhere: a few smooth ones among them must not stiffen the others
+        (1..found.len()).for_each(|level| found[level] = found[level].min(found[level - 1]));
+        found
+    }
 }
 
 /// Random signs z, and `(A + P)^-1 z`.

@@ -18,31 +18,37 @@ mod options;
 mod plan;
 mod plane;
 mod refinement;
+mod rules;
 mod shape;
 mod split_test;
 mod system;
 #[cfg(test)]
 mod tests;
 pub mod tiles;
+mod tuning;
+mod unresolved;
 
 pub use answer::{AdaptiveFit, AdaptiveReport};
 pub use ground::ContactBounds;
 pub use options::{AdaptiveOptions, OutlierRule, RowVariances};
 pub use plan::{AdaptivePlan, RepeatedHeights, plan_adaptive};
 pub use refinement::RefinementRound;
+pub use rules::{DetailRule, LevelRule, RoundRule, SplitRule};
 pub use shape::ShapeQuestion;
 pub use system::FitWork;
 
 use std::time::Duration;
 
-use crate::equations::{BlockWeights, CellSums, SortedContacts};
+use crate::equations::{BlockWeights, CellSums, LoadLaw, SortedContacts};
 use crate::error::HierarchyError;
-use crate::factor::{SelectedInverse, SparseCholesky};
+use crate::factor::{PointInverse, SparseCholesky};
+use crate::field::HierarchicalField;
 use certificate::backward_error;
 use contact_passes::ContactPasses;
 use ground::FitGround;
 use held_contacts::HeldContacts;
 use palpate_geometry::contact::{Contacts, Frame};
+use palpate_numeric::statistics::VarianceComponent;
 use plane::plane_probability;
 use refinement::{MeshRefinement, components};
 use system::{System, timed};
@@ -106,17 +112,11 @@ fn refined<'a>(
 /// The answer from the last fit.
 fn answered(mut refinement: MeshRefinement<'_>, system: System, frame: Frame) -> Result<AdaptiveFit, HierarchyError> {
     let uncertainty = refinement.options.uncertainty;
-    let inverse = uncertainty
-        .then(|| timed(&mut refinement.work.inverse, || system.factor.whole().and_then(SelectedInverse::of)))
-        .flatten();
     // of the last residuals, once for all that is told of the fit
     let sums = timed(&mut refinement.work.passes, || refinement.passes.sums(&refinement.field))?;
+    let inverse = if uncertainty { point_inverse(&mut refinement, &system, &sums) } else { None };
     let traces = inverse.as_ref().map(|inverse| traces(&refinement, &system, &sums, inverse));
     let [heights, slopes] = components(sums.totals(), traces.unwrap_or_default());
-    let declared = match refinement.options.noise {
-        RowVariances::Known { slopes, .. } => Some(slopes),
-        RowVariances::Estimated => None,
-    };
     let columns = refinement.passes.columns();
     let outliers = refinement.passes.outliers(&refinement.field)?;
     let counted = columns.count - outliers.len();
@@ -125,10 +125,13 @@ fn answered(mut refinement: MeshRefinement<'_>, system: System, frame: Frame) ->
         Some([z, s]) => plane_probability(&mut refinement, z + s)?,
         None => None,
     };
+    let smoothing = inverse.as_ref().map(|_| smoothing_bias(&refinement, &system)).transpose()?;
+    let draws_error = inverse.as_ref().and_then(PointInverse::error);
     Ok(AdaptiveFit {
         inverse,
+        smoothing,
         variance: refinement.variance,
-        slope_sd: columns.layout.oriented.then(|| declared.unwrap_or_else(|| slopes.sd_of_one_at_least())),
+        slope_sd: columns.layout.oriented.then(|| slope_sd(refinement.options, &slopes)),
         report: AdaptiveReport {
             rounds: refinement.rounds,
             outliers,
@@ -141,6 +144,8 @@ fn answered(mut refinement: MeshRefinement<'_>, system: System, frame: Frame) ->
             backward_error: certified,
             condition: system.factor.whole().map_or(f64::NAN, SparseCholesky::condition),
             factor_entries: system.factor.factor_entries(),
+            by_gradients: system.factor.whole().is_none(),
+            draws_error,
             work: refinement.work,
         },
         factor: system.factor,
@@ -149,8 +154,32 @@ fn answered(mut refinement: MeshRefinement<'_>, system: System, frame: Frame) ->
     })
 }
 
+/// What variances at points follow from: of the whole where that was factored, else by random draws of the surface.
+fn point_inverse(refinement: &mut MeshRefinement<'_>, system: &System, sums: &CellSums) -> Option<PointInverse> {
+    let MeshRefinement { options, weights, lambdas, work, .. } = refinement;
+    let law = LoadLaw { space: &system.space, sums, weights: *weights, order: options.roughness, lambdas };
+    timed(&mut work.inverse, || PointInverse::of(&system.factor, || law.draw(options.posterior_draws)))
+}
+
+/// Of slopes or normals, as it was declared or found.
+fn slope_sd(options: &AdaptiveOptions, slopes: &VarianceComponent) -> f64 {
+    match options.noise {
+        RowVariances::Known { slopes, .. } => slopes,
+        RowVariances::Estimated => slopes.sd_of_one_at_least(),
+    }
+}
+
+/// What roughness takes off a surface like the one that was found: `(A + P)^-1 P c`.
+fn smoothing_bias(refinement: &MeshRefinement<'_>, system: &System) -> Result<HierarchicalField, HierarchyError> {
+    let c = refinement.field.coefficients();
+    let mut bias = vec![0.0; c.len()];
+    system.pattern.multiply(&system.rough(&refinement.lambdas), c, &mut bias);
+    system.factor.solve(&mut bias);
+    HierarchicalField::new(system.space.clone(), bias)
+}
+
 /// Degrees of freedom that the surface takes of the heights and of the slopes: `tr (A + lambda P)^-1 A_k`.
-fn traces(refinement: &MeshRefinement<'_>, system: &System, sums: &CellSums, inverse: &SelectedInverse) -> [f64; 2] {
+fn traces(refinement: &MeshRefinement<'_>, system: &System, sums: &CellSums, inverse: &PointInverse) -> [f64; 2] {
     let weights = refinement.weights;
     let trace = |weights: BlockWeights| {
         let (values, _) = system.pattern.assemble(&system.space, sums, weights);

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use super::contact_passes::ContactPasses;
 use super::local_scale::ShareRule;
-use super::marginal_likelihood::{StepEquations, lambdas_of_levels};
+use super::marginal_likelihood::{LevelStep, StepEquations};
 use super::options::{AdaptiveOptions, OutlierRule, RowVariances};
 use super::split_test::{SplitLimits, cells_to_split, stands_out};
 use super::system::{FitWork, System, timed};
@@ -26,20 +26,6 @@ use palpate_numeric::statistics::VarianceComponent;
 /// Likelihoods asked for when nothing is known of lambda, and when that of the round before is.
 const FIRST_SEARCH: usize = 14;
 const LATER_SEARCH: usize = 4;
-/// First fits after the very first, which outliers may have drawn far off, and the change of the variance that ends them.
-const MOST_FIRST_FITS: usize = 8;
-const SETTLED_VARIANCE: f64 = 0.02;
-/// Last fits: rejections settle in two or three, the lambdas of levels in about as many.
-const MOST_LAST_FITS: usize = 5;
-/// The last fit takes the lambdas of split cells times this: the likelihood balances bias against variance over all cells of a level,
-/// and intervals want the peaks' bias below their noise (P. Hall, *Ann. Stat.* 20 (1992) 675). It costs 5 % of the uncertainty there.
-const UNDERSMOOTHING: f64 = 0.3;
-/// Change of a lambda's logarithm that moves nothing beyond the noise.
-const SETTLED: f64 = 0.2;
-/// A level's lambda over that of the level before, before anything is known: features of half the size are as high.
-const FINER_ROUGHNESS: f64 = 1.0 / 16.0;
-/// Rounds beyond the deepest level: neighbours of a feature follow it late.
-const LATE_ROUNDS: usize = 6;
 
 /// One round, for whoever wants to see how the cells came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,7 +87,7 @@ impl<'a> MeshRefinement<'a> {
 
     /// Fits and splits until no cell holds more than noise, then without outliers. The factor is left as that of the last fit.
     pub(super) fn run(&mut self) -> Result<System, HierarchyError> {
-        let most = self.options.deepest_level + LATE_ROUNDS;
+        let most = self.options.deepest_level + self.options.rounds.late_rounds;
         loop {
             let mut system = self.system()?;
             if self.rounds.is_empty() {
@@ -145,11 +131,11 @@ impl<'a> MeshRefinement<'a> {
     /// Nothing is known of lambda, of the shares or of the slopes that normals are linear about: each fit makes the next one better.
     fn first_fits(&mut self, system: &mut System) -> Result<(), HierarchyError> {
         self.step(system, FIRST_SEARCH)?;
-        for _ in 0..MOST_FIRST_FITS {
+        for _ in 0..self.options.rounds.most_first_fits {
             let before = self.variance;
             self.clip()?;
             self.step(system, LATER_SEARCH)?;
-            if (self.variance / before - 1.0).abs() < SETTLED_VARIANCE {
+            if (self.variance / before - 1.0).abs() < self.options.rounds.settled_variance {
                 break;
             }
         }
@@ -195,11 +181,17 @@ impl<'a> MeshRefinement<'a> {
         self.variance = step.variance;
         self.lambdas.iter_mut().for_each(|lambda| *lambda *= step.factor_of_lambda);
         if search > 0 && (self.lambdas.len() > 1 || system.factor.whole().is_none()) {
-            let (c, lambdas) = (field.coefficients(), &self.lambdas);
-            self.lambdas =
-                timed(&mut work.inverse, || lambdas_of_levels(system, lambdas, c, &matrix, step.variance, smooth));
+            self.move_levels(system, &matrix, smooth);
         }
         Ok(())
+    }
+
+    /// The lambdas of levels, from the surface and the factor at hand.
+    fn move_levels(&mut self, system: &System, matrix: &[f64], smooth: f64) {
+        let MeshRefinement { field, lambdas, variance, work, options, .. } = self;
+        let step = LevelStep { lambdas, coefficients: field.coefficients(), matrix, variance: *variance, smooth };
+        let moved = timed(&mut work.inverse, || step.next(system, &options.levels));
+        self.lambdas = moved;
     }
 
     /// A lambda for every level; whether there were some before. A finer level begins where surfaces of the size of its cells are as
@@ -207,7 +199,8 @@ impl<'a> MeshRefinement<'a> {
     fn begin_levels(&mut self, levels: usize) -> bool {
         let known = !self.lambdas.is_empty();
         while self.lambdas.len() < levels {
-            self.lambdas.push(self.lambdas.last().map_or(1.0, |last| last * FINER_ROUGHNESS));
+            let by = self.options.levels.finer_roughness;
+            self.lambdas.push(self.lambdas.last().map_or(1.0, |last| last * by));
         }
         known
     }
@@ -240,18 +233,19 @@ impl<'a> MeshRefinement<'a> {
 
     /// The last fits: without the contacts that lie too far off, until these and the lambdas are the same twice.
     fn finish(&mut self, system: &mut System) -> Result<(), HierarchyError> {
-        for k in 0..MOST_LAST_FITS {
+        for k in 0..self.options.rounds.most_last_fits {
             let (before, without) = (self.lambdas.clone(), self.passes.left_out(&self.field)?);
             self.reject()?;
             let same = self.passes.left_out(&self.field)? == without;
             self.step(system, if k == 0 { LATER_SEARCH } else { 1 })?;
             let moved = self.lambdas.iter().zip(&before).map(|(a, b)| (a / b).ln().abs()).fold(0.0, f64::max);
-            if same && moved < SETTLED {
+            if same && moved < self.options.rounds.settled_lambda {
                 break;
             }
         }
         if !self.halved {
-            self.lambdas.iter_mut().skip(1).for_each(|lambda| *lambda *= UNDERSMOOTHING);
+            let by = self.options.levels.undersmoothing;
+            self.lambdas.iter_mut().skip(1).for_each(|lambda| *lambda *= by);
         }
         self.step(system, 0)?;
         // rows of normals are linear about the surface before the step, and that one was of other lambdas
@@ -275,11 +269,12 @@ impl<'a> MeshRefinement<'a> {
         };
         timed(&mut work.passes, || {
             let (least_contacts, deepest_level) = (options.least_contacts, options.deepest_level);
-            let evidence = passes.evidence(field, SplitLimits { clip, least_contacts, deepest_level })?;
+            let evidence =
+                passes.evidence(field, SplitLimits { clip, least_contacts, deepest_level, rule: options.split })?;
             let space = field.space();
             let rates = [options.false_discovery_rate, options.significance_of_children];
             let significances: Vec<f64> = evidence.iter().map(|cell| cell.significance).collect();
-            let unshaded = |leaf: usize| stands_out(space, &evidence, leaf);
+            let unshaded = |leaf: usize| stands_out(space, &evidence, leaf, &options.split);
             let split = cells_to_split(space.leaves(), &significances, suspected, rates, unshaded);
             suspected.extend(split.iter().map(|leaf| space.leaves()[*leaf]));
             Ok(split)

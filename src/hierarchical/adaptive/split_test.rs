@@ -18,19 +18,12 @@ use std::collections::BTreeSet;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::local_scale::LocalScales;
+use super::rules::SplitRule;
 use crate::equations::{ContactResiduals, SortedContacts, SurfaceCells};
 use crate::mesh::CellId;
 use crate::space::HierarchicalSpace;
 use palpate_numeric::threads;
 
-/// Boxes along a side of the finest grid.
-const MOST_BOXES: usize = 32;
-/// Contacts for each box of a grid, on average: with fewer, one box says little and Fisher's law wants gaussian noise.
-const CONTACTS_OF_BOX: usize = 5;
-/// Cells that a swing about a feature reaches.
-const REACH_OF_SWINGS: u32 = 3;
-/// Share of the strongest neighbour's excess below which a cell waits: the first swing of a cubic has a tenth of the feature's squares.
-const SHADE: f64 = 0.1;
 /// Leaves that one thread takes at a time.
 const PIECE: usize = 64;
 
@@ -51,6 +44,7 @@ pub(crate) struct SplitLimits {
     pub clip: f64,
     pub least_contacts: usize,
     pub deepest_level: usize,
+    pub rule: SplitRule,
 }
 
 /// What the residuals of a cell say.
@@ -103,7 +97,7 @@ impl SplitTest<'_> {
         let range = self.contacts.of_cell(self.surface.mesh, cell);
         let [centre, half] = self.surface.mesh.centre_and_half(cell);
         let columns = self.contacts.contacts();
-        let mut side = finest_side(range.len());
+        let mut side = finest_side(range.len(), &self.limits.rule);
         let place = |x: f64, axis: usize| {
             let along = ((x - centre[axis]) / half[axis] + 1.0) * 0.5 * side as f64;
             (along as usize).min(side - 1)
@@ -130,9 +124,9 @@ impl SplitTest<'_> {
 }
 
 /// Boxes along a side for so many contacts: a power of two.
-fn finest_side(contacts: usize) -> usize {
+fn finest_side(contacts: usize, rule: &SplitRule) -> usize {
     let mut side = 2;
-    while side < MOST_BOXES && 4 * side * side * CONTACTS_OF_BOX <= contacts {
+    while side < rule.most_boxes && 4 * side * side * rule.contacts_of_box <= contacts {
         side *= 2;
     }
     side
@@ -199,9 +193,9 @@ pub(crate) fn cells_to_split(
 
 /// Whether no much stronger neighbour explains what a leaf shows: a surface that cannot follow a feature swings about it, less from cell
 /// to cell, and the swings are gone when the feature is followed.
-pub(crate) fn stands_out(space: &HierarchicalSpace, evidence: &[CellEvidence], leaf: usize) -> bool {
+pub(crate) fn stands_out(space: &HierarchicalSpace, evidence: &[CellEvidence], leaf: usize, rule: &SplitRule) -> bool {
     let cell = space.leaves()[leaf];
-    let reach = i64::from(REACH_OF_SWINGS);
+    let reach = i64::from(rule.reach_of_swings);
     let base = space.mesh().tree().base();
     let excess_at = |di: i64, dj: i64| {
         let place = [i64::from(cell.place[0]) + di, i64::from(cell.place[1]) + dj];
@@ -210,7 +204,7 @@ pub(crate) fn stands_out(space: &HierarchicalSpace, evidence: &[CellEvidence], l
         neighbour.map_or(0.0, |leaf| evidence[leaf].excess)
     };
     let mut near = (-reach..=reach).flat_map(|di| (-reach..=reach).map(move |dj| (di, dj)));
-    near.all(|(di, dj)| evidence[leaf].excess >= SHADE * excess_at(di, dj))
+    near.all(|(di, dj)| evidence[leaf].excess >= rule.shade * excess_at(di, dj))
 }
 
 /// The largest set in which at most the share `rate` is expected to be chance.
@@ -259,7 +253,10 @@ mod tests {
         let wide = merged(&boxes, 4);
         assert_eq!(wide[0], [4.0, 0.0 + 1.0 + 4.0 + 5.0, 0.0]);
         assert_eq!(wide[3], [4.0, 10.0 + 11.0 + 14.0 + 15.0, 0.0]);
-        assert_eq!([16, 79, 80, 319, 320, 1 << 20].map(finest_side), [2, 2, 4, 4, 8, 32]);
+        assert_eq!(
+            [16, 79, 80, 319, 320, 1 << 20].map(|count| finest_side(count, &SplitRule::default())),
+            [2, 2, 4, 4, 8, 32]
+        );
     }
 
     #[test]

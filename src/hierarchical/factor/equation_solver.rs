@@ -68,6 +68,14 @@ impl EquationSolver {
         }
     }
 
+    /// The blocks of conjugate gradients, where they solve.
+    pub(super) fn blocks(&self) -> Option<&SchwarzSolver> {
+        match &self.way {
+            SolutionWay::Factor(_) => None,
+            SolutionWay::Gradients(gradients) => Some(gradients),
+        }
+    }
+
     /// Numbers in the factors that there are.
     pub fn factor_entries(&self) -> usize {
         match &self.way {

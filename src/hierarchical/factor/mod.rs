@@ -2,11 +2,15 @@
 
 mod equation_solver;
 mod nested_dissection;
+mod point_inverse;
+mod sampled_inverse;
 mod schwarz;
 mod selected_inverse;
 mod sparse_cholesky;
 
 pub use equation_solver::EquationSolver;
+pub use point_inverse::PointInverse;
+pub use sampled_inverse::SampledInverse;
 pub use selected_inverse::SelectedInverse;
 pub use sparse_cholesky::{EliminationOrder, SparseCholesky};
 
@@ -95,6 +99,60 @@ mod tests {
             assert!(v.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-12));
             assert!(EquationSolver::plan(&starts, &rows, &places, usize::MAX).unwrap().whole().is_some());
         }
+    }
+
+    /// Loads with the five-point matrix as their covariance, by its factor as a full matrix.
+    fn loads_of([starts, rows]: [&[usize]; 2], values: &[f64], draws: usize) -> Vec<Vec<f64>> {
+        let n = starts.len() - 1;
+        let mut l = vec![0.0; n * n];
+        for column in 0..n {
+            (starts[column]..starts[column + 1]).for_each(|at| l[column * n + rows[at]] = values[at]);
+        }
+        for j in 0..n {
+            for i in j..n {
+                let sum: f64 = (0..j).map(|k| l[i * n + k] * l[j * n + k]).sum();
+                let v = l[i * n + j] - sum;
+                l[i * n + j] = if i == j { v.sqrt() } else { v / l[j * n + j] };
+            }
+        }
+        let mut draw = palpate_numeric::draws::Lcg::new(7);
+        let load = |_| {
+            let e: Vec<f64> = (0..n).map(|_| draw.normal()).collect();
+            (0..n).map(|i| (0..=i).map(|k| l[i * n + k] * e[k]).sum()).collect()
+        };
+        (0..draws).map(load).collect()
+    }
+
+    #[test]
+    fn drawn_variances_are_those_of_the_inverse_within_their_error() {
+        let (wide, high, draws) = (44, 37, 64);
+        let (starts, rows, mut values) = grid(wide, high);
+        // nearly singular, so that everything reaches far beyond the blocks
+        (0..wide * high).for_each(|k| values[starts[k + 1] - 1] = 5.42);
+        let places: Vec<[f64; 2]> = (0..wide * high).map(|k| [k / high, k % high].map(|t| t as f64)).collect();
+        let solver = |most| {
+            let mut solver = EquationSolver::plan(&starts, &rows, &places, most).unwrap();
+            solver.factor(&values).unwrap();
+            solver
+        };
+        let loads = || loads_of([&starts, &rows], &values, draws);
+        let exact = PointInverse::of(&solver(usize::MAX), Vec::new).unwrap();
+        let drawn = PointInverse::of(&solver(0), loads).unwrap();
+        assert!(exact.error().is_none() && PointInverse::of(&solver(0), Vec::new).is_none());
+        let told = drawn.error().unwrap();
+        let (mut squares, mut count) = (0.0, 0.0);
+        for k in 0..wide * high - high {
+            // a value, and a slope between two that meet
+            for gradient in [vec![(k as u32, 1.0)], vec![(k as u32, 1.0), ((k + high) as u32, -1.0)]] {
+                let [a, b] = [&exact, &drawn].map(|inverse| inverse.quadratic(&gradient).unwrap());
+                squares += ((b / a).sqrt() - 1.0).powi(2);
+                count += 1.0;
+            }
+        }
+        let found = (squares / count).sqrt();
+        assert!(found < 1.5 * told && told < 0.3 * (0.5 / draws as f64).sqrt(), "{found} where {told} is told");
+        let trace = drawn.trace_with(&starts, &rows, &values);
+        assert!((trace / (wide * high) as f64 - 1.0).abs() < 0.01, "{trace}");
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub(super) struct SchwarzSolver {
     rows: Vec<usize>,
     values: Vec<f64>,
     blocks: Vec<SchwarzBlock>,
+    /// The block that every unknown is in the middle of.
+    block_of: Vec<u32>,
     /// Nodes of the coarse grid that an unknown has a share of.
     shares: Vec<[(u32, f64); 4]>,
     coarse: SparseCholesky,
@@ -37,11 +39,13 @@ pub(super) struct SchwarzSolver {
 
 /// A block with its own factor.
 #[derive(Clone, Debug)]
-struct SchwarzBlock {
-    unknowns: Vec<u32>,
+pub(super) struct SchwarzBlock {
+    /// Ascending.
+    pub unknowns: Vec<u32>,
     /// Places of its matrix's entries among those of the whole.
     entries: Vec<usize>,
-    factor: SparseCholesky,
+    /// Of the matrix among its unknowns.
+    pub factor: SparseCholesky,
 }
 
 impl SchwarzSolver {
@@ -65,7 +69,22 @@ impl SchwarzSolver {
         let ends: Vec<usize> = (0..=nodes).map(|column| column * (column + 1) / 2).collect();
         let coarse = SparseCholesky::plan(&ends, &full, EliminationOrder::MinimumDegree)?;
         let blocks = blocks.into_iter().collect::<Result<_, _>>()?;
-        Ok(SchwarzSolver { starts: starts.into(), rows: rows.into(), values: Vec::new(), blocks, shares, coarse })
+        let mut block_of = vec![0; order];
+        for (block, core) in cores.iter().enumerate() {
+            core.iter().for_each(|unknown| block_of[*unknown as usize] = block as u32);
+        }
+        let (starts, rows) = (starts.into(), rows.into());
+        Ok(SchwarzSolver { starts, rows, values: Vec::new(), blocks, block_of, shares, coarse })
+    }
+
+    /// The blocks.
+    pub(super) fn blocks(&self) -> &[SchwarzBlock] {
+        &self.blocks
+    }
+
+    /// Number of the block that holds an unknown and all that meet it.
+    pub(super) fn block_of(&self) -> &[u32] {
+        &self.block_of
     }
 
     /// Takes a matrix by the values of its upper triangle.

@@ -13,7 +13,7 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
-use super::SparseCholesky;
+use super::sparse_cholesky::SparseCholesky;
 
 /// The entries of `A^-1` among unknowns that meet.
 #[derive(Clone, Debug)]
@@ -143,6 +143,19 @@ impl SelectedInverse {
         let height = end - begin + below.len();
         let value = self.values[self.value_starts[s] + (column - begin) * height + place];
         Some(value * (self.scale[i] * self.scale[j]))
+    }
+
+    /// `g'A^-1 g` of a functional whose unknowns all meet each other: `(unknown, derivative)`.
+    pub fn quadratic(&self, gradient: impl Iterator<Item = (usize, f64)> + Clone) -> Option<f64> {
+        let mut sum = 0.0;
+        let mut rest = gradient;
+        while let Some((i, g)) = rest.next() {
+            sum += g * g * self.entry(i, i)?;
+            for (j, h) in rest.clone() {
+                sum += 2.0 * g * h * self.entry(i, j)?;
+            }
+        }
+        Some(sum)
     }
 
     /// `tr A^-1 B` for a matrix B within the pattern, by the values of its upper triangle in compressed columns.

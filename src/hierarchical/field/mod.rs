@@ -7,11 +7,14 @@
 mod embedding;
 #[cfg(test)]
 mod gismo_tests;
+mod patches;
 mod placed;
 #[cfg(test)]
 mod space_tests;
 
 use std::sync::Arc;
+
+pub use patches::{FieldPatches, PatchEdge, TensorPatch};
 
 use crate::error::HierarchyError;
 use crate::space::HierarchicalSpace;

@@ -133,26 +133,30 @@ impl KnotLevels {
     pub fn insertion_row(&self, axis: usize, level: usize, fine: usize) -> InsertionRow {
         let [coarse, fine_knots] = [level, level + 1].map(|l| &self.axes[axis][l].knots);
         let p = coarse.degree();
-        let arguments = &fine_knots.as_slice()[fine..=fine + p + 1];
         // the segment in which the function begins holds all coarse functions that it is a part of
         let segment = (self.axes[axis][level + 1].reach[fine][0] / 2) as usize;
-        let first = coarse.first_basis(segment);
-        let window = &coarse.as_slice()[first + 1..=first + 2 * p];
-        let mut shares = [0.0; MAX_DEGREE + 1];
-        shares[0] = 1.0;
-        for j in 1..=p {
-            let x = arguments[j];
-            let mut saved = 0.0;
-            for r in 0..j {
-                let (right, left) = (window[p + r], window[p + r - j]);
-                let share = shares[r] / (right - left);
-                shares[r] = saved + (right - x) * share;
-                saved = (x - left) * share;
-            }
-            shares[j] = saved;
-        }
-        InsertionRow { first, shares }
+        blossom_row(coarse, segment, &fine_knots.as_slice()[fine + 1..=fine + p])
     }
+}
+
+/// Shares of the functions on a segment in the blossom of a spline's polynomial there at p arguments: the coefficient that the spline has
+/// for a function whose inner knots these are.
+pub(crate) fn blossom_row(knots: &Knots, segment: usize, arguments: &[f64]) -> InsertionRow {
+    let (p, first) = (knots.degree(), knots.first_basis(segment));
+    let window = &knots.as_slice()[first + 1..=first + 2 * p];
+    let mut shares = [0.0; MAX_DEGREE + 1];
+    shares[0] = 1.0;
+    for (j, x) in (1..=p).zip(arguments) {
+        let mut saved = 0.0;
+        for r in 0..j {
+            let (right, left) = (window[p + r], window[p + r - j]);
+            let share = shares[r] / (right - left);
+            shares[r] = saved + (right - x) * share;
+            saved = (x - left) * share;
+        }
+        shares[j] = saved;
+    }
+    InsertionRow { first, shares }
 }
 
 /// All segments halved; repeated knots keep their number.

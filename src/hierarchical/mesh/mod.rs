@@ -9,9 +9,12 @@
 
 mod levels;
 mod quadtree;
+mod rectangles;
 
+pub(crate) use levels::blossom_row;
 pub use levels::{InsertionRow, KnotLevels, LevelKnots};
 pub use quadtree::{CellId, MAX_LEVEL, Quadtree};
+pub use rectangles::CellRectangle;
 
 use crate::error::HierarchyError;
 use palpate_numeric::bspline::Knots;

@@ -11,6 +11,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::cli::adaptive_model::AdaptiveFlags;
 use crate::cli::answer::{Question, answer, described};
 use crate::cli::found::{Found, Refusal};
 use crate::cli::options::FitFlags;
@@ -52,7 +53,9 @@ impl LiveLook {
     /// Asks these touches.
     pub(super) fn at(contacts: Contacts, touches: u64, viewpoint: Option<[f64; 3]>, reach: &TouchReach) -> LiveLook {
         let (flags, clock) = (FitFlags::default(), Instant::now());
-        let question = Question { flags: &flags, adaptive: false, base: FitOptions::default(), bare: false, viewpoint };
+        let adaptive = AdaptiveFlags::default();
+        let question =
+            Question { flags: &flags, adaptive: &adaptive, base: FitOptions::default(), bare: false, viewpoint };
         let count = contacts.len();
         let input = Input::Contacts(contacts);
         let found = answer(&input, &question).map_err(Refusal::words);

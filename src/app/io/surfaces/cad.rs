@@ -42,8 +42,8 @@ impl CadPatch {
             ));
         }
         match &saved.surface {
-            AnySurface::Height(field) => Ok(of_height(field, &saved.frame)),
-            AnySurface::Hierarchical(field) => Ok(of_height(&tensor(field)?, &saved.frame)),
+            AnySurface::Height(field) => Ok(CadPatch::of_height(field, &saved.frame)),
+            AnySurface::Hierarchical(field) => Ok(CadPatch::of_height(&tensor(field)?, &saved.frame)),
             AnySurface::Parametric(map, _) => {
                 let closed: Vec<&str> =
                     ["u", "v"].into_iter().zip(map.knots()).filter(|(_, k)| k.is_closed()).map(|(n, _)| n).collect();
@@ -58,6 +58,16 @@ impl CadPatch {
                 Ok(CadPatch { degree, knots, points: map.coefficients().clone() })
             }
         }
+    }
+
+    /// A height field over the axes of a frame.
+    pub(super) fn of_height(field: &HeightField, frame: &Frame) -> CadPatch {
+        let (degree, knots) = degrees_and_knots(field.knots());
+        let [x, y] = field.knots().each_ref().map(Knots::greville);
+        let points = Array2::from_shape_fn(field.coefficients().dim(), |(i, j)| {
+            in_space([x[i], y[j], field.coefficients()[[i, j]]], frame)
+        });
+        CadPatch { degree, knots, points }
     }
 
     /// The surface that a CAD file holds.
@@ -98,35 +108,36 @@ impl CadPatch {
 }
 
 /// Coefficients of a tensor spline that a file of text still holds and CAD still opens: some 100 MB.
-const MOST_COEFFICIENTS: usize = 1 << 20;
+pub(super) const MOST_COEFFICIENTS: usize = 1 << 20;
+
+/// Whether the one spline of an adaptive surface has more coefficients than are written.
+pub(super) fn is_too_large(field: &HierarchicalField) -> bool {
+    let [n, m] = field.tensor_size();
+    n.saturating_mul(m) > MOST_COEFFICIENTS
+}
 
 /// The tensor spline of the finest level, where it is not too large.
 ///
 /// # Errors
 /// What can be saved instead.
 pub(crate) fn tensor(field: &HierarchicalField) -> Result<HeightField, String> {
-    let [n, m] = field.tensor_size();
-    if n.saturating_mul(m) > MOST_COEFFICIENTS {
+    if is_too_large(field) {
+        let [n, m] = field.tensor_size();
         return Err(format!(
-            "as one spline the surface has {n} x {m} coefficients, at most {MOST_COEFFICIENTS} in all are written; .json holds its cells \
-             as they are, and a mesh (.ply, .obj, .stl, .glb, .vtu) takes any surface"
+            "as one spline the surface has {n} x {m} coefficients, at most {MOST_COEFFICIENTS} in all are written; .step and .igs hold it \
+             as several, .json its cells as they are, and a mesh (.ply, .obj, .stl, .glb, .vtu) takes any surface"
         ));
     }
     field.to_tensor().map_err(|e| e.to_string())
 }
 
-fn degrees_and_knots(knots: &[Knots; 2]) -> ([usize; 2], [Vec<f64>; 2]) {
-    ([0, 1].map(|k| knots[k].degree()), [0, 1].map(|k| knots[k].as_slice().to_vec()))
+/// A point of a height field in the input's own coordinates.
+pub(super) fn in_space(point: [f64; 3], frame: &Frame) -> [f64; 3] {
+    if frame.keeps_axes() { point } else { frame.rotate_back(point) }
 }
 
-fn of_height(field: &HeightField, frame: &Frame) -> CadPatch {
-    let (degree, knots) = degrees_and_knots(field.knots());
-    let [x, y] = field.knots().each_ref().map(Knots::greville);
-    let points = Array2::from_shape_fn(field.coefficients().dim(), |(i, j)| {
-        let point = [x[i], y[j], field.coefficients()[[i, j]]];
-        if frame.keeps_axes() { point } else { frame.rotate_back(point) }
-    });
-    CadPatch { degree, knots, points }
+fn degrees_and_knots(knots: &[Knots; 2]) -> ([usize; 2], [Vec<f64>; 2]) {
+    ([0, 1].map(|k| knots[k].degree()), [0, 1].map(|k| knots[k].as_slice().to_vec()))
 }
 
 /// The heights of control points that stand over the Greville abscissae.

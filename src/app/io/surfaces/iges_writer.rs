@@ -1,4 +1,4 @@
-//! IGES: one rational B-spline surface (entity 128) whose weights are all 1, in records of 80 columns.
+//! IGES: rational B-spline surfaces (entity 128) whose weights are all 1, in records of 80 columns.
 //!
 //! ```text
 //! S start, G global, D directory (two records an entity), P parameters (64 columns and the entity's number), T terminate
@@ -15,19 +15,21 @@ const TEXT: usize = 72;
 const PARAMETERS: usize = 64;
 
 /// The whole file.
-pub(super) fn write(patch: &CadPatch, title: &str) -> String {
+pub(super) fn write(patches: &[CadPatch], title: &str) -> String {
     let title: String = title.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect();
-    let parameters = lines(&parameter_fields(patch), PARAMETERS);
-    let directory = [
-        ["128", "1", "0", "0", "0", "0", "0", "0", "00000000"].map(String::from).to_vec(),
-        ["128", "0", "0", &parameters.len().to_string(), "0", "", "", "SURFACE", "0"].map(String::from).to_vec(),
-    ];
+    let (mut directory, mut parameters) = (Vec::new(), Vec::new());
+    for patch in patches {
+        let entity = directory.len() + 1;
+        let first = (parameters.len() + 1).to_string();
+        let own = lines(&parameter_fields(patch), PARAMETERS);
+        let count = own.len().to_string();
+        directory.push(["128", &first, "0", "0", "0", "0", "0", "0", "00000000"].map(in_field).concat());
+        directory.push(["128", "0", "0", &count, "0", "", "", "SURFACE", "0"].map(in_field).concat());
+        parameters.extend(own.into_iter().map(|line| format!("{line:<64}{entity:>8}")));
+    }
     let mut out = String::new();
     let start = ["spline surface fitted to contacts, written by palpate".to_string()];
-    let global = lines(&global_fields(patch, &title), TEXT);
-    let directory: Vec<String> =
-        directory.iter().map(|fields| fields.iter().map(|field| format!("{field:>8}")).collect()).collect();
-    let parameters: Vec<String> = parameters.iter().map(|line| format!("{line:<64}{:>8}", 1)).collect();
+    let global = lines(&global_fields(patches, &title), TEXT);
     let mut counts = String::new();
     for (letter, section) in [('S', &start[..]), ('G', &global), ('D', &directory), ('P', &parameters)] {
         for (number, line) in section.iter().enumerate() {
@@ -36,6 +38,11 @@ pub(super) fn write(patch: &CadPatch, title: &str) -> String {
         counts.push_str(&format!("{letter}{:>7}", section.len()));
     }
     out + &format!("{counts:<TEXT$}T{:>7}\n", 1)
+}
+
+/// A field of the directory.
+fn in_field(field: &str) -> String {
+    format!("{field:>8}")
 }
 
 /// Fields in lines of at most `width` columns, with commas between and a semicolon at the end. A field is never cut, except
@@ -71,9 +78,9 @@ fn text(words: &str) -> String {
     format!("{}H{words}", words.len())
 }
 
-fn global_fields(patch: &CadPatch, title: &str) -> Vec<String> {
+fn global_fields(patches: &[CadPatch], title: &str) -> Vec<String> {
     let program = format!("palpate {}", env!("CARGO_PKG_VERSION"));
-    let largest = patch.points.iter().flatten().map(|v| v.abs()).fold(0.0, f64::max);
+    let largest = patches.iter().flat_map(|patch| &patch.points).flatten().map(|v| v.abs()).fold(0.0, f64::max);
     let name = if title.is_empty() { "surface" } else { title };
     // no clock is read: the same surface gives the same file
     let date = text("19700101.000000");
@@ -137,7 +144,7 @@ mod tests {
     fn records_have_eighty_columns_and_the_numbers_that_the_last_one_says() {
         let points = Array2::from_shape_fn((2, 2), |(i, j)| [i as f64 / 3.0, j as f64, -1e-300]);
         let knots = [vec![0.0, 0.0, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]];
-        let text = write(&CadPatch { degree: [1, 1], knots, points }, "a title of no length to speak of; or,");
+        let text = write(&[CadPatch { degree: [1, 1], knots, points }], "a title of no length to speak of; or,");
         assert!(text.lines().all(|line| line.len() == 80), "{text}");
         let count = |letter: char| text.lines().filter(|line| line.as_bytes()[72] == letter as u8).count();
         let last = text.lines().last().unwrap();

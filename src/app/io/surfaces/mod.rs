@@ -4,6 +4,7 @@
 //! ```text
 //! .step .stp   AP214, B_SPLINE_SURFACE_WITH_KNOTS in a shell of one face     decimals that read back to the bit
 //! .igs .iges   entity 128, no trimming                                       decimals that read back to the bit
+//!              (of an adaptive surface with very small cells several faces, sewn along their edges in STEP)
 //! .npz         tx, ty, c, degree: SciPy's bisplev, NdBSpline                 float64
 //! .ply .vtu    triangles where contacts support the surface, with S, R, ...  float64
 //! .obj         the same triangles with normals                               decimals that read back to the bit
@@ -15,6 +16,7 @@
 //! coefficients that no data hold would show a made-up surface in the gap, which CAD could not tell from the touched one.
 
 mod cad;
+mod cad_shell;
 mod glb;
 mod iges_reader;
 mod iges_writer;
@@ -32,7 +34,7 @@ mod vtu;
 use std::path::Path;
 
 use super::IoError;
-use super::surface_file::Saved;
+use super::surface_file::{AnySurface, Saved};
 
 pub(crate) use cad::tensor;
 use mesh::SurfaceMesh;
@@ -129,10 +131,24 @@ pub(crate) fn encode_surface(
     let title: String = title.chars().filter(|c| !c.is_control()).take(LONGEST_TITLE).collect();
     match format {
         SurfaceFormat::Step | SurfaceFormat::Iges => {
-            let patch = cad::CadPatch::of(saved).map_err(refused)?;
             let step = format == SurfaceFormat::Step;
-            let text = if step { step_writer::write(&patch, &title) } else { iges_writer::write(&patch, &title) };
-            Ok(Encoded { bytes: text.into_bytes(), notes: cad_notes(saved, format) })
+            let mut notes = cad_notes(saved, format);
+            let text = match shell_of(saved).map_err(refused)? {
+                Some(shell) => {
+                    let faces = shell.faces.len();
+                    notes.push(format!("as one spline it would be too large: it is written as {faces} that adjoin"));
+                    if step {
+                        step_writer::write_shell(&shell, &title)
+                    } else {
+                        iges_writer::write(&shell.faces, &title)
+                    }
+                }
+                None => {
+                    let patch = cad::CadPatch::of(saved).map_err(refused)?;
+                    if step { step_writer::write(&patch, &title) } else { iges_writer::write(&[patch], &title) }
+                }
+            };
+            Ok(Encoded { bytes: text.into_bytes(), notes })
         }
         SurfaceFormat::Npz => {
             let bytes = scipy_npz::write(saved).map_err(|e| refused(e.to_string()))?;
@@ -155,6 +171,16 @@ pub(crate) fn encode_surface(
             Ok(Encoded { bytes, notes: Vec::new() })
         }
         SurfaceFormat::Json => Err(refused("the document is written by whoever has it; name another ending".into())),
+    }
+}
+
+/// The faces of an adaptive surface whose one spline would be too large.
+fn shell_of(saved: &Saved) -> Result<Option<cad_shell::CadShell>, String> {
+    match &saved.surface {
+        AnySurface::Hierarchical(field) if cad::is_too_large(field) => {
+            cad_shell::CadShell::of(field, &saved.frame).map(Some)
+        }
+        _ => Ok(None),
     }
 }
 

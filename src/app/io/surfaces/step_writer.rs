@@ -10,9 +10,10 @@
 
 use std::fmt::Write as _;
 
-use ndarray::ArrayView1;
+use ndarray::{Array2, ArrayView1};
 
 use super::cad::CadPatch;
+use super::cad_shell::{CadEdge, CadShell};
 
 /// Instances in the order of their numbers.
 #[derive(Default)]
@@ -31,13 +32,22 @@ impl Data {
     }
 }
 
-/// The whole file.
+/// The whole file, of one face.
 pub(super) fn write(patch: &CadPatch, title: &str) -> String {
+    whole(title, |data| vec![face(data, patch)])
+}
+
+/// The whole file, of several faces that share their edges.
+pub(super) fn write_shell(shell: &CadShell, title: &str) -> String {
+    whole(title, |data| faces(data, shell))
+}
+
+fn whole(title: &str, faces: impl FnOnce(&mut Data) -> Vec<String>) -> String {
     let mut data = Data::default();
     let title = string(title);
     let (context, definition) = product(&mut data, &title);
-    let face = face(&mut data, patch);
-    let shell = data.add(&format!("OPEN_SHELL('',({face}))"));
+    let faces = faces(&mut data);
+    let shell = data.add(&format!("OPEN_SHELL('',{})", list(faces.iter())));
     let model = data.add(&format!("SHELL_BASED_SURFACE_MODEL({title},({shell}))"));
     let origin = data.add("CARTESIAN_POINT('',(0.,0.,0.))");
     let axis = data.add("DIRECTION('',(0.,0.,1.))");
@@ -80,20 +90,63 @@ fn product(data: &mut Data, title: &str) -> (String, String) {
     (context, shape)
 }
 
-fn face(data: &mut Data, patch: &CadPatch) -> String {
-    let points = patch.points.mapv(|p| point(data, p));
-    let (n, m) = points.dim();
+/// The faces of a shell: vertices and edges stand once for all faces that they belong to.
+fn faces(data: &mut Data, shell: &CadShell) -> Vec<String> {
+    let vertices: Vec<String> = shell.vertices.iter().map(|at| vertex(data, *at)).collect();
+    let edges: Vec<String> = shell.edges.iter().map(|edge| shared_edge(data, edge, &vertices)).collect();
+    let face = |(patch, around): (&CadPatch, &Vec<(usize, bool)>)| {
+        let points = patch.points.mapv(|p| point(data, p));
+        let surface = surface(data, patch, &points);
+        let runs: Vec<String> = around
+            .iter()
+            .map(|(edge, forward)| {
+                let forward = if *forward { ".T." } else { ".F." };
+                data.add(&format!("ORIENTED_EDGE('',*,*,{},{forward})", edges[*edge]))
+            })
+            .collect();
+        bounded(data, &surface, &runs)
+    };
+    shell.faces.iter().zip(&shell.loops).map(face).collect()
+}
+
+fn vertex(data: &mut Data, at: [f64; 3]) -> String {
+    let at = point(data, at);
+    data.add(&format!("VERTEX_POINT('',{at})"))
+}
+
+fn shared_edge(data: &mut Data, edge: &CadEdge, vertices: &[String]) -> String {
+    let points: Vec<String> = edge.points.iter().map(|at| point(data, *at)).collect();
+    let curve = curve(data, ArrayView1::from(&points), edge.degree, &multiplicities(&edge.knots));
+    let [from, to] = edge.ends.map(|end| &vertices[end]);
+    data.add(&format!("EDGE_CURVE('',{from},{to},{curve},.T.)"))
+}
+
+fn surface(data: &mut Data, patch: &CadPatch, points: &Array2<String>) -> String {
     let [p, q] = patch.degree;
     let [u, v] = [0, 1].map(|k| multiplicities(&patch.knots[k]));
     let rows: Vec<String> = points.rows().into_iter().map(|row| list(row.iter())).collect();
-    let surface = data.add(&format!(
+    data.add(&format!(
         "B_SPLINE_SURFACE_WITH_KNOTS('',{p},{q},{},.UNSPECIFIED.,.F.,.F.,.F.,{},{},{},{},.UNSPECIFIED.)",
         list(rows.iter()),
         u.1,
         v.1,
         u.0,
         v.0
-    ));
+    ))
+}
+
+fn bounded(data: &mut Data, surface: &str, edges: &[String]) -> String {
+    let outline = data.add(&format!("EDGE_LOOP('',{})", list(edges.iter())));
+    let bound = data.add(&format!("FACE_OUTER_BOUND('',{outline},.T.)"));
+    data.add(&format!("ADVANCED_FACE('',({bound}),{surface},.T.)"))
+}
+
+fn face(data: &mut Data, patch: &CadPatch) -> String {
+    let points = patch.points.mapv(|p| point(data, p));
+    let (n, m) = points.dim();
+    let [p, q] = patch.degree;
+    let [u, v] = [0, 1].map(|k| multiplicities(&patch.knots[k]));
+    let surface = surface(data, patch, &points);
     // around the face: along u, along v, and both back against their curves
     let corners = [(0, 0), (n - 1, 0), (n - 1, m - 1), (0, m - 1)];
     let vertices = corners.map(|at| data.add(&format!("VERTEX_POINT('',{})", points[at])));
@@ -112,9 +165,7 @@ fn face(data: &mut Data, patch: &CadPatch) -> String {
             data.add(&format!("ORIENTED_EDGE('',*,*,{edge},{forward})"))
         })
         .collect();
-    let outline = data.add(&format!("EDGE_LOOP('',{})", list(edges.iter())));
-    let bound = data.add(&format!("FACE_OUTER_BOUND('',{outline},.T.)"));
-    data.add(&format!("ADVANCED_FACE('',({bound}),{surface},.T.)"))
+    bounded(data, &surface, &edges)
 }
 
 fn point(data: &mut Data, p: [f64; 3]) -> String {

@@ -74,6 +74,7 @@ fn fit_part(answer: &AdaptiveAnswer, subject: &Subject) -> FitPart {
             left_out: report.outliers.len(),
             freedom: report.freedom,
             factor_entries: report.factor_entries,
+            draws_error: report.draws_error,
         }),
         sigma: Some(SigmaPart {
             z: Some(fit.height_noise()),
@@ -81,8 +82,8 @@ fn fit_part(answer: &AdaptiveAnswer, subject: &Subject) -> FitPart {
             slope: slopes.filter(|_| !normals),
             ..SigmaPart::default()
         }),
-        method: "cholesky".into(),
-        reason: format!("sparse, {} numbers in the factor", report.factor_entries),
+        method: if report.by_gradients { "pcg" } else { "cholesky" }.into(),
+        reason: reason(answer),
         equations: report.counted * rows,
         unknowns: fit.unknowns(),
         rank: fit.unknowns(),
@@ -98,6 +99,15 @@ fn fit_part(answer: &AdaptiveAnswer, subject: &Subject) -> FitPart {
     }
 }
 
+/// How the equations were solved.
+fn reason(answer: &AdaptiveAnswer) -> String {
+    let report = answer.fit.report();
+    match report.by_gradients {
+        true => format!("the factor would be too large: {} numbers in those of blocks", report.factor_entries),
+        false => format!("sparse, {} numbers in the factor", report.factor_entries),
+    }
+}
+
 fn notes(answer: &AdaptiveAnswer) -> Vec<String> {
     let report = answer.fit.report();
     let mut notes = Vec::new();
@@ -106,6 +116,12 @@ fn notes(answer: &AdaptiveAnswer) -> Vec<String> {
         let all = out + report.counted;
         let contacts = if out == 1 { "contact lies" } else { "contacts lie" };
         notes.push(format!("{out} {contacts} off what is around and counted for nothing, of {all}"));
+    }
+    if let Some(error) = report.draws_error {
+        notes.push(format!(
+            "the equations are so many that standard uncertainties at points come by random draws, off by {:.1} %",
+            100.0 * error
+        ));
     }
     if report.rounds.last().is_some_and(|round| round.split > 0) {
         notes.push("the contacts ask for still smaller cells than are allowed: what is left counts as noise".into());

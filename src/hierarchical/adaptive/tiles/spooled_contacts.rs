@@ -97,6 +97,22 @@ impl ContactSpool {
         Ok(())
     }
 
+    /// x and y of every `step`-th contact of all that came, from the first on.
+    ///
+    /// # Errors
+    /// Files that cannot be read.
+    pub fn places(&mut self, step: usize) -> Result<Vec<[f64; 2]>, HierarchyError> {
+        let Some(kind) = self.kind else { return Ok(Vec::new()) };
+        self.raw.flush().map_err(failed)?;
+        let mut places = Vec::new();
+        self.each_piece(kind, |first, contacts| {
+            let here = first.next_multiple_of(step.max(1))..first + contacts.len();
+            places.extend(here.step_by(step.max(1)).map(|r| [contacts.x[r - first], contacts.y[r - first]]));
+            Ok(())
+        })?;
+        Ok(places)
+    }
+
     /// Sorts everything into tiles of at most so many contacts, or of one base cell where that has more.
     ///
     /// # Errors
@@ -139,13 +155,22 @@ impl ContactSpool {
         ground: &TileGround,
         mut take: impl FnMut(&ContactRun) -> Result<(), HierarchyError>,
     ) -> Result<(), HierarchyError> {
+        self.each_piece(kind, |first, contacts| take(&ContactRun::of(&contacts, ground, first)?))
+    }
+
+    /// All pieces in their order, each with the number of its first contact.
+    fn each_piece(
+        &self,
+        kind: ColumnKind,
+        mut take: impl FnMut(usize, Contacts) -> Result<(), HierarchyError>,
+    ) -> Result<(), HierarchyError> {
         let mut raw = BufReader::new(File::open(self.folder.join("raw")).map_err(failed)?);
         let mut first = 0;
         for count in &self.pieces {
             let bytes = read_block(&mut raw)?;
             let mut reader = Unpacker::new(&bytes);
             let columns = (0..kind.count()).map(|_| reader.reals()).collect::<Result<_, _>>()?;
-            take(&ContactRun::of(&kind.contacts(columns), ground, first)?)?;
+            take(first, kind.contacts(columns))?;
             first += count;
         }
         Ok(())

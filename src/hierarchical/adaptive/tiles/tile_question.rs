@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::packed::{Packer, Unpacker, damaged};
 use super::tile_extent::TileExtent;
 use crate::adaptive::local_scale::ShareRule;
+use crate::adaptive::rules::SplitRule;
 use crate::adaptive::split_test::SplitLimits;
 use crate::equations::{SurfaceCells, codes_of_cell};
 use crate::error::HierarchyError;
@@ -85,9 +86,7 @@ impl TileAsk {
     fn write(self, packer: &mut Packer) {
         let (word, numbers) = match self {
             TileAsk::Sums => (0, Vec::new()),
-            TileAsk::Evidence(SplitLimits { clip, least_contacts, deepest_level }) => {
-                (1, vec![clip, least_contacts as f64, deepest_level as f64])
-            }
+            TileAsk::Evidence(limits) => (1, numbers_of(limits).to_vec()),
             TileAsk::BlockScales => (2, Vec::new()),
             TileAsk::LeftOut => (3, Vec::new()),
             TileAsk::Outliers => (4, Vec::new()),
@@ -102,11 +101,7 @@ impl TileAsk {
         let (word, numbers) = (reader.word()?, reader.reals()?);
         Ok(match (word, &numbers[..]) {
             (0, []) => TileAsk::Sums,
-            (1, [clip, least, deepest]) => TileAsk::Evidence(SplitLimits {
-                clip: *clip,
-                least_contacts: *least as usize,
-                deepest_level: *deepest as usize,
-            }),
+            (1, numbers) => TileAsk::Evidence(limits_of(numbers.try_into().map_err(|_| damaged())?)),
             (2, []) => TileAsk::BlockScales,
             (3, []) => TileAsk::LeftOut,
             (4, []) => TileAsk::Outliers,
@@ -115,6 +110,21 @@ impl TileAsk {
             _ => return Err(damaged()),
         })
     }
+}
+
+/// Limits as numbers.
+fn numbers_of(limits: SplitLimits) -> [f64; 7] {
+    let SplitLimits { clip, least_contacts, deepest_level, rule } = limits;
+    let SplitRule { most_boxes, contacts_of_box, reach_of_swings, shade } = rule;
+    let counts = [least_contacts, deepest_level, most_boxes, contacts_of_box].map(|count| count as f64);
+    [clip, counts[0], counts[1], counts[2], counts[3], f64::from(reach_of_swings), shade]
+}
+
+fn limits_of([clip, least, deepest, boxes, of_box, reach, shade]: [f64; 7]) -> SplitLimits {
+    let [least_contacts, deepest_level, most_boxes, contacts_of_box] =
+        [least, deepest, boxes, of_box].map(|count| count as usize);
+    let rule = SplitRule { most_boxes, contacts_of_box, reach_of_swings: reach as u32, shade };
+    SplitLimits { clip, least_contacts, deepest_level, rule }
 }
 
 /// One question to one tile.
