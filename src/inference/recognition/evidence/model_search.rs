@@ -166,11 +166,13 @@ pub(crate) fn likeliest_look<T>(
         chosen = at.see(believed, Look::Second);
     }
     let finer = at.finer(&chosen);
-    if let Some(seen) =
-        finer.as_ref().map(|finer| at.see(finer, Look::Second)).filter(|seen| height(seen) > height(&chosen) + CLEAR)
-    {
-        chosen = seen;
-    }
+    let told = finer.as_ref().map(|finer| at.see(finer, Look::Second)).filter(|seen| {
+        // what it leaves to errors that neighbours share beyond those of a contact is a surface that it cannot follow, and a spline may
+        let per_cell = at.contacts.len() as f64 / at.cells.points.len() as f64;
+        let explains_all = likeliest_node(seen).is_some_and(|node| node.is_displaced() && node.ratio <= per_cell);
+        explains_all && height(seen) > height(&chosen) + CLEAR
+    });
+    chosen = told.unwrap_or(chosen);
     let is_displaced = likeliest_node(&chosen).is_some_and(Node::is_displaced);
     let is_shape = is_displaced && !may_be_error(chosen.0, &chosen.1.0, &chosen.1.1);
     let flat = if is_shape { at.over_plane(&chosen) } else { None };
