@@ -2,7 +2,7 @@
 //! surface that departs from a plane, or with normals that are all too steep.
 //!
 //! ```text
-//! looks: plain -> displaced where likely (second_look.rs) -> normals believed -> over a plane (over_plane.rs)
+//! looks: plain -> displaced where likely (relinearise.rs) -> normals believed -> over a plane (discrepancy_over_plane.rs)
 //!        -> a gain of the normals (noise/gain.rs)
 //! taken: the last whose highest log evidence, less log(20) for a gain, exceeds that of the look before;
 //!        a gain only where the log likelihood of its likeliest surface does so, too
