@@ -94,6 +94,24 @@ pub(crate) unsafe fn hand_over<T>(value: T, place: *mut *mut T) -> Result<(), Re
     Ok(())
 }
 
+/// Puts a value where the caller wants it; it is not computed where there is no such place.
+///
+/// # Safety
+/// `place` is null or can be written to.
+pub(crate) unsafe fn fill<T>(
+    place: *mut T,
+    name: &str,
+    value: impl FnOnce() -> Result<T, Refused>,
+) -> Result<(), Refused> {
+    if place.is_null() {
+        return Err(null(name));
+    }
+    let value = value()?;
+    // SAFETY: it is not null, and by the caller's word it can be written to
+    unsafe { place.write(value) };
+    Ok(())
+}
+
 /// Takes a handle back and frees it; null is nothing.
 ///
 /// # Safety

@@ -1,9 +1,9 @@
 //! The fit of a spline that is named: a height field over x and y.
 
 use palpate_fitting::fit::{Fit, FitError, FitOptions, NormalSigma, Objective, Statistic, fit_contacts};
-use palpate_geometry::surface::HeightField;
+use palpate_geometry::surface::{HeightField, SurfacePoint};
 
-use crate::border::{PalpateStatus, copy_out, faulty, guarded, hand_over, named, take_back, unanswered};
+use crate::border::{PalpateStatus, copy_out, faulty, fill, guarded, hand_over, named, take_back, unanswered};
 use crate::contacts::PalpateContacts;
 use crate::shape::{PalpateClass, PalpateEstimate, PalpateKind, PalpateMapPoint, PalpateShape, class_of};
 
@@ -98,6 +98,19 @@ fn shape_of(found: &PalpateFit) -> PalpateShape {
     }
 }
 
+fn point_of(here: &SurfacePoint) -> PalpatePoint {
+    let principal = here.derivatives().principal();
+    PalpatePoint {
+        z: here.z,
+        slopes: [here.zx, here.zy],
+        normal: here.normal(),
+        k1: principal.map_or(f64::NAN, |p| p.k1),
+        k2: principal.map_or(f64::NAN, |p| p.k2),
+        shape_index: principal.and_then(|p| p.shape_index()).unwrap_or(f64::NAN),
+        curvedness: principal.map_or(f64::NAN, |p| p.curvedness()),
+    }
+}
+
 /// Fills the options with the paper's spline: degree 2, one segment.
 ///
 /// # Safety
@@ -117,12 +130,8 @@ pub unsafe extern "C" fn palpate_fit_defaults(options: *mut PalpateFitOptions) -
             sigma_z: 0.0,
             sigma_normal_deg: 0.0,
         };
-        if options.is_null() {
-            return Err(crate::border::null("options"));
-        }
-        // SAFETY: it is not null, and can be written to, as this function asks of its caller
-        unsafe { options.write(defaults) };
-        Ok(())
+        // SAFETY: as this function asks of its caller
+        unsafe { fill(options, "options", || Ok(defaults)) }
     })
 }
 
@@ -172,12 +181,8 @@ pub unsafe extern "C" fn palpate_fit_shape(fit: *const PalpateFit, shape: *mut P
     guarded(|| {
         // SAFETY: as this function asks of its caller
         let found = unsafe { named(fit, "fit") }?;
-        if shape.is_null() {
-            return Err(crate::border::null("shape"));
-        }
-        // SAFETY: it is not null, and can be written to
-        unsafe { shape.write(shape_of(found)) };
-        Ok(())
+        // SAFETY: likewise
+        unsafe { fill(shape, "shape", || Ok(shape_of(found))) }
     })
 }
 
@@ -198,23 +203,8 @@ pub unsafe extern "C" fn palpate_fit_at(
         if !(x.is_finite() && y.is_finite()) {
             return Err(faulty("the place is not finite"));
         }
-        if point.is_null() {
-            return Err(crate::border::null("point"));
-        }
-        let here = surface.at(x, y);
-        let principal = here.derivatives().principal();
-        let found = PalpatePoint {
-            z: here.z,
-            slopes: [here.zx, here.zy],
-            normal: here.normal(),
-            k1: principal.map_or(f64::NAN, |p| p.k1),
-            k2: principal.map_or(f64::NAN, |p| p.k2),
-            shape_index: principal.and_then(|p| p.shape_index()).unwrap_or(f64::NAN),
-            curvedness: principal.map_or(f64::NAN, |p| p.curvedness()),
-        };
-        // SAFETY: it is not null, and can be written to
-        unsafe { point.write(found) };
-        Ok(())
+        // SAFETY: likewise
+        unsafe { fill(point, "point", || Ok(point_of(&surface.at(x, y)))) }
     })
 }
 

@@ -3,7 +3,7 @@
 use palpate_inference::recognition::{Estimate, Recognition, RecognitionError, RecognitionOptions};
 
 use crate::border::{
-    PalpateStatus, Refused, copy_out, faulty, guarded, hand_over, named, named_mut, take_back, unanswered,
+    PalpateStatus, Refused, copy_out, faulty, fill, guarded, hand_over, named, named_mut, take_back, unanswered,
 };
 use crate::contacts::PalpateContacts;
 use crate::shape::{PalpateClass, PalpateEstimate, PalpateMapPoint, PalpateShape, class_of, kind_of, other_side};
@@ -89,12 +89,8 @@ pub unsafe extern "C" fn palpate_recognise_defaults(options: *mut PalpateRecogni
         let RecognitionOptions { level, grid, seed, sigma_xy, .. } = RecognitionOptions::default();
         let defaults =
             PalpateRecogniseOptions { level, grid, seed, has_viewpoint: false, viewpoint: [0.0; 3], sigma_xy };
-        if options.is_null() {
-            return Err(crate::border::null("options"));
-        }
-        // SAFETY: it is not null, and can be written to, as this function asks of its caller
-        unsafe { options.write(defaults) };
-        Ok(())
+        // SAFETY: as this function asks of its caller
+        unsafe { fill(options, "options", || Ok(defaults)) }
     })
 }
 
@@ -142,12 +138,8 @@ pub unsafe extern "C" fn palpate_recognition_shape(
     guarded(|| {
         // SAFETY: as this function asks of its caller
         let found = &unsafe { named(recognition, "recognition") }?.found;
-        if shape.is_null() {
-            return Err(crate::border::null("shape"));
-        }
-        // SAFETY: it is not null, and can be written to
-        unsafe { shape.write(shape_of(found)) };
-        Ok(())
+        // SAFETY: likewise
+        unsafe { fill(shape, "shape", || Ok(shape_of(found))) }
     })
 }
 

@@ -4,7 +4,9 @@ use palpate_fitting::fit::Statistic;
 use palpate_fitting::plans::{PlanError, TouchStream};
 use palpate_numeric::bspline::{Knots, linspace};
 
-use crate::border::{PalpateStatus, Refused, faulty, guarded, hand_over, named, named_mut, take_back, unanswered};
+use crate::border::{
+    PalpateStatus, Refused, faulty, fill, guarded, hand_over, named, named_mut, take_back, unanswered,
+};
 use crate::shape::PalpateEstimate;
 
 /// The plan of a stream. `palpate_stream_defaults` fills all but the domain.
@@ -104,12 +106,8 @@ pub unsafe extern "C" fn palpate_stream_defaults(options: *mut PalpateStreamOpti
             window: 0,
             decay: 1.0,
         };
-        if options.is_null() {
-            return Err(crate::border::null("options"));
-        }
-        // SAFETY: it is not null, and can be written to, as this function asks of its caller
-        unsafe { options.write(defaults) };
-        Ok(())
+        // SAFETY: as this function asks of its caller
+        unsafe { fill(options, "options", || Ok(defaults)) }
     })
 }
 
@@ -198,18 +196,13 @@ pub unsafe extern "C" fn palpate_stream_shape(
     guarded(|| {
         // SAFETY: as this function asks of its caller
         let stream = &mut unsafe { named_mut(stream, "stream") }?.stream;
-        if shape.is_null() {
-            return Err(crate::border::null("shape"));
-        }
-        let [s, r] = stream.shape().map_err(refused)?;
-        let found = PalpateStreamShape {
-            shape_index: estimate_of(&s),
-            curvedness: estimate_of(&r),
-            contacts: stream.contacts(),
+        let found = || {
+            let [s, r] = stream.shape().map_err(refused)?;
+            let (shape_index, curvedness) = (estimate_of(&s), estimate_of(&r));
+            Ok(PalpateStreamShape { shape_index, curvedness, contacts: stream.contacts() })
         };
-        // SAFETY: it is not null, and can be written to
-        unsafe { shape.write(found) };
-        Ok(())
+        // SAFETY: likewise
+        unsafe { fill(shape, "shape", found) }
     })
 }
 

@@ -16,6 +16,7 @@ pub mod plans;
 #[doc(hidden)]
 pub mod facade {
     pub use crate::fit;
+    pub use crate::observation::stacked_csr;
     pub use palpate_geometry::contact::Contacts;
     pub mod parametric {
         pub use crate::parametric::{FittedSurface, ParametricFit};
@@ -25,6 +26,6 @@ pub mod facade {
     }
     pub mod spline {
         pub use palpate_geometry::surface::{CurvatureGrid, HeightField};
-        pub use palpate_numeric::bspline::{Knots, linspace};
+        pub use palpate_numeric::bspline::{Knots, SplineError, linspace};
     }
 }

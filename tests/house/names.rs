@@ -1,5 +1,5 @@
 //! One name, one thing: no two types of `src` have the same name, but for those of a list that only shrinks. No constant is
-//! called by a bare bound: it says of what.
+//! called by a bare bound: it says of what. No comment names a file that is not there.
 //!
 //! `shared_names.txt` has the names that stand for several things today, each with how many; whoever renames one writes the list anew:
 //! `PALPATE_WRITE_NAMES=1 cargo test --test house names` lowers its numbers and raises none.
@@ -95,6 +95,22 @@ fn a_constant_says_what_it_bounds() {
         bare.extend(names.into_iter().filter(|name| BARE.contains(&name.as_str())).map(|name| (path.clone(), name)));
     }
     assert!(bare.is_empty(), "bounds of what? {bare:#?}");
+}
+
+/// Files that are renamed leave comments behind.
+#[test]
+fn a_file_that_a_comment_names_is_there() {
+    let there: Vec<PathBuf> = ["src", "tests", "benches"].into_iter().flat_map(files).collect();
+    let mut gone = Vec::new();
+    for path in files("src") {
+        let text = std::fs::read_to_string(&path).expect("readable");
+        for comment in text.lines().filter_map(|line| line.split_once("//")) {
+            let words = comment.1.split(|c: char| !(c.is_ascii_alphanumeric() || "_/.".contains(c)));
+            let named = words.map(|word| word.trim_end_matches('.')).filter(|word| word.ends_with(".rs"));
+            gone.extend(named.filter(|name| !there.iter().any(|file| file.ends_with(name))).map(String::from));
+        }
+    }
+    assert!(gone.is_empty(), "no such file: {gone:?}");
 }
 
 #[test]

@@ -1,8 +1,7 @@
-//! `palpate.fit/1`, `palpate.study/1`, `palpate.frontier/1`, `palpate.explore/1`: the committed schemas are the generated ones, and what the
-//! program prints obeys them.
+//! The committed schemas are the ones that the types make, and what the program prints obeys them.
 
 use assert_cmd::Command;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 const FIT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/app/report/schema/palpate.fit-1.json");
 const EXPLORE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/app/report/schema/palpate.explore-1.json");
@@ -36,16 +35,62 @@ fn the_committed_schemas_are_what_the_types_make() {
     }
 }
 
-/// The few words of JSON Schema that ours uses; a key that the schema does not name is a fault here.
-fn check(at: &str, value: &Value, schema: &Value) {
-    if let Some(constant) = schema.get("const") {
-        assert_eq!(value, constant, "{at}");
-        return;
+/// Words of JSON Schema that say something to people alone.
+const WORDS: [&str; 3] = ["$schema", "title", "description"];
+
+/// What is wrong with a value. A key that the schema does not name is a fault here, and so is a word of JSON Schema that is not known.
+fn fault(at: &str, value: &Value, schema: &Value) -> Result<(), String> {
+    let schema = schema.as_object().ok_or(format!("{at} has no schema"))?;
+    for (word, rule) in schema.iter().filter(|(word, _)| !WORDS.contains(&word.as_str())) {
+        let holds = match word.as_str() {
+            "const" => value == rule,
+            "enum" => rule.as_array().is_some_and(|list| list.contains(value)),
+            "type" => of_kind(value, rule),
+            "minimum" => value.as_f64().is_none_or(|number| Some(number) >= rule.as_f64()),
+            "minItems" => value.as_array().is_none_or(|items| Some(items.len() as u64) >= rule.as_u64()),
+            "maxItems" => value.as_array().is_none_or(|items| Some(items.len() as u64) <= rule.as_u64()),
+            "required" => rule
+                .as_array()
+                .into_iter()
+                .flatten()
+                .filter_map(Value::as_str)
+                .all(|key| value.as_object().is_none_or(|object| object.contains_key(key))),
+            "anyOf" | "oneOf" => {
+                let faults: Vec<String> =
+                    rule.as_array().into_iter().flatten().filter_map(|one| fault(at, value, one).err()).collect();
+                let all = rule.as_array().map_or(0, Vec::len);
+                if faults.len() == all {
+                    return Err(faults.join("; "));
+                }
+                word == "anyOf" || faults.len() + 1 == all
+            }
+            "items" => {
+                for (k, item) in value.as_array().into_iter().flatten().enumerate() {
+                    fault(&format!("{at}[{k}]"), item, rule)?;
+                }
+                true
+            }
+            "properties" | "additionalProperties" => true,
+            _ => false,
+        };
+        if !holds {
+            return Err(format!("{at} is {value}, against {word} {rule}"));
+        }
     }
-    let kinds: Vec<&str> = match &schema["type"] {
-        Value::Array(list) => list.iter().filter_map(Value::as_str).collect(),
-        one => one.as_str().into_iter().collect(),
-    };
+    // the keys of what is one of several are those of that one
+    if ["anyOf", "oneOf"].iter().any(|word| schema.contains_key(*word)) {
+        return Ok(());
+    }
+    for (key, item) in value.as_object().into_iter().flatten() {
+        let named = schema.get("properties").and_then(|properties| properties.get(key));
+        let rule = named.or_else(|| schema.get("additionalProperties"));
+        fault(&format!("{at}.{key}"), item, rule.ok_or(format!("{at}.{key} is not in the schema"))?)?;
+    }
+    Ok(())
+}
+
+/// Whether a value is of one of these kinds. A number that is written without a point is an integer and nothing else.
+fn of_kind(value: &Value, kinds: &Value) -> bool {
     let found = match value {
         Value::Null => "null",
         Value::Bool(_) => "boolean",
@@ -55,23 +100,37 @@ fn check(at: &str, value: &Value, schema: &Value) {
         Value::Array(_) => "array",
         Value::Object(_) => "object",
     };
-    assert!(kinds.contains(&found), "{at} is {found}, not {kinds:?}");
-    match value {
-        Value::Array(items) => {
-            items.iter().enumerate().for_each(|(k, item)| check(&format!("{at}[{k}]"), item, &schema["items"]));
-        }
-        Value::Object(object) => {
-            for key in schema["required"].as_array().into_iter().flatten() {
-                assert!(object.contains_key(key.as_str().unwrap()), "{at} lacks {key}");
-            }
-            for (key, item) in object {
-                let named = schema["properties"].get(key).or_else(|| schema.get("additionalProperties"));
-                let schema = named.unwrap_or_else(|| panic!("{at}.{key} is not in the schema"));
-                check(&format!("{at}.{key}"), item, schema);
-            }
-        }
-        _ => {}
+    kinds == found || kinds.as_array().is_some_and(|list| list.iter().any(|kind| kind == found))
+}
+
+fn check(at: &str, value: &Value, schema: &Value) {
+    if let Err(fault) = fault(at, value, schema) {
+        panic!("{fault}");
     }
+}
+
+/// The check refuses what does not fit, each by the word that it offends.
+#[test]
+fn what_does_not_fit_a_schema_is_refused() {
+    let (fit, parts) = (palpate_app::report::fit_schema(), palpate_app::report::parts_schema());
+    let frame = &fit["properties"]["frame"];
+    let relation = &parts["properties"]["relations"]["items"]["properties"]["kind"];
+    for (value, schema) in [
+        (json!({ "origin": [0.0, 0.0, 0.0], "scale": 1.0 }), frame),
+        (json!({ "origin": [0.0, 0.0, 0.0], "axes": [], "scale": 1.0 }), frame),
+        (json!([0.0, 0.0]), &frame["properties"]["origin"]),
+        (json!([0.0, 0.0, 0]), &frame["properties"]["origin"]),
+        (json!([0.0, 0.0, null]), &frame["properties"]["origin"]),
+        (json!(-1), &fit["properties"]["contacts"]),
+        (json!(1.0), &fit["properties"]["contacts"]),
+        (json!("palpate.fit/2"), &fit["properties"]["schema"]),
+        (json!({ "mean": 0.5, "sd": null, "more": 1.0 }), &fit["properties"]["shape"]["properties"]["k1"]),
+        (json!("skew"), relation),
+        (json!(null), relation),
+    ] {
+        assert!(fault("$", &value, schema).is_err(), "{value} passes {schema}");
+    }
+    assert_eq!(fault("$", &json!("coaxial"), relation), Ok(()));
 }
 
 #[test]

@@ -18,7 +18,7 @@ use std::time::Instant;
 use clap::Parser;
 
 use crate::io::{StudyFile, scene_file::builtin_scenes, study_bytes};
-use crate::report::write_json;
+use crate::report::{FrontierDocument, write_json};
 use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::Contacts;
 use palpate_studies::montecarlo::{Progress, Stopped, StudyState};
@@ -194,12 +194,7 @@ pub fn frontier(
     } else {
         frontier_input::measure(&args, &subject, request.as_ref(), watch).map(Some)
     };
-    let mut document = found.map_err(Failure::into_message)?.ok_or("ended before everything was measured")?;
-    document.seconds = clock.elapsed().as_secs_f64();
-    let mut json = Vec::new();
-    // a Vec takes every byte
-    let _ = write_json(&document, &mut json);
-    Ok(json)
+    measured(found, clock)
 }
 
 /// The same of contacts that are there already; the subject of `arguments` is what they are called.
@@ -216,9 +211,15 @@ pub fn frontier_of_contacts(
     let name = args.subject.clone().unwrap_or_default();
     let request = args.request().map_err(Failure::into_message)?;
     let found = frontier_input::measure_contacts(&args, &name, contacts, request.as_ref(), watch);
+    measured(found, clock)
+}
+
+/// A frontier as it is printed, with the time that it took.
+fn measured(found: Result<Option<FrontierDocument>, Failure>, clock: Instant) -> Result<Vec<u8>, String> {
     let mut document = found.map_err(Failure::into_message)?.ok_or("ended before everything was measured")?;
     document.seconds = clock.elapsed().as_secs_f64();
     let mut json = Vec::new();
+    // a Vec takes every byte
     let _ = write_json(&document, &mut json);
     Ok(json)
 }

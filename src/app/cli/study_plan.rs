@@ -12,7 +12,7 @@ use clap::{Args, Parser};
 use crate::io::scene_file::SceneFile;
 use crate::io::{StudyIdentity, text_hash};
 use crate::report::{
-    NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, inverse_crime_remark,
+    NamedQuantities, QuantityPart, STUDY_SCHEMA, Shares, StudyDocument, effect_parts, inverse_crime_remark,
     study_notes, sum_parts,
 };
 use palpate_fitting::fit::FitOptions;
@@ -298,7 +298,7 @@ impl Plan {
             shape_index: parts.first().cloned().unwrap_or_default(),
             curvedness: parts.get(1).cloned().unwrap_or_default(),
             quantities: NamedQuantities(others.collect()),
-            class: NamedShares(classes.collect()),
+            class: Shares(classes.collect()),
             verdict: result.verdict.map(|class| class.name().to_string()),
             failed: state.failed,
             planes: state.planes,

@@ -4,6 +4,7 @@
 //! letter j of line i stands at (x_i, y_j), evenly spaced over the domain with both ends; a point asks the nearest letter
 //! ```
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Points each way: the outline is known to 1/64 of a side, in a thousand letters.
@@ -13,7 +14,7 @@ pub(crate) const SUPPORT_POINTS: usize = 33;
 const MOST_LETTERS: usize = 1 << 20;
 
 /// The picture.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct SupportMap(Vec<String>);
 

@@ -9,6 +9,7 @@
 use std::sync::Arc;
 
 use ndarray::Array2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use palpate_geometry::contact::Frame;
@@ -25,7 +26,7 @@ use super::support_map::SupportMap;
 use super::uncertainty_map::UncertaintyMap;
 
 /// `frame` of the document.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct SavedFrame {
     /// Point of the input frame that is the patch's origin.
     pub origin: [f64; 3],
@@ -36,7 +37,7 @@ pub(crate) struct SavedFrame {
 }
 
 /// `surface` of the document.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct SavedSurface {
     /// `height`: z over x, y; `parametric`: Q over u, v; `adaptive`: z over x, y with knots where the contacts asked for them.
     pub kind: String,
@@ -65,7 +66,7 @@ pub(crate) struct SavedSurface {
 }
 
 /// One coefficient: a height, or a point.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub(crate) enum Coefficient {
     /// Of a height field.

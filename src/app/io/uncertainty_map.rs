@@ -7,6 +7,7 @@
 //! The covariance of the coefficients would tell more and is far larger: for 4,489 coefficients it is 160 MB against 8 kB.
 //! What is asked of a surface at a point (does it agree with another one here?) these four maps answer.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Points each way, ends included. Uncertainty changes slowly, except within the last cells, where it rises to the edge.
@@ -16,7 +17,7 @@ pub(crate) const UNCERTAINTY_POINTS: usize = 9;
 const MOST_POINTS: usize = 4096;
 
 /// Standard uncertainties over a grid of the domain; `null` where there is none.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct UncertaintyMap {
     /// Places in x and y, or in u and v.
     pub(crate) at: [Vec<f64>; 2],

@@ -106,13 +106,51 @@ fn named(part: &PartRecord) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::parts_samples::parts_samples;
+    use super::super::parts::{JointPart, PARTS_SCHEMA, PartsNoisePart};
+    use super::super::relations::RelationRecord;
     use super::*;
+    use palpate_inference::parts::{PartGeometry, PartUncertainty, RelationKind};
+
+    /// A part that meets itself and is tied to itself.
+    fn document(input: &str) -> PartsDocument {
+        let part = PartRecord {
+            id: 0,
+            kind: "cone".into(),
+            hollow: false,
+            parameters: PartGeometry::default(),
+            u: PartUncertainty::default(),
+            class: None,
+            shape_index: None,
+            curvedness: 0.5,
+            points: 1,
+            extent: 0.5,
+            misfit: 0.5,
+            rejected: None,
+            p: None,
+            departure: 0.5,
+        };
+        let kind = RelationKind::EqualRadius;
+        PartsDocument {
+            schema: PARTS_SCHEMA,
+            input: input.into(),
+            contacts: 1,
+            spacing: 0.5,
+            noise: PartsNoisePart { distance: 0.5, normal_deg: 0.5 },
+            tolerance: 0.5,
+            parts: vec![part],
+            joints: vec![JointPart { parts: [0, 0], kind: "convex".into(), angle_deg: 0.5 }],
+            relations: vec![RelationRecord { parts: [0, 0], kind, probability: 0.5, missed_by: 0.5, u: 0.5 }],
+            objects: None,
+            unassigned: 0,
+            truth: None,
+            notes: Vec::new(),
+            seconds: 0.5,
+        }
+    }
 
     #[test]
     fn every_part_and_tie_is_in_the_graphs_and_no_name_ends_them() {
-        let [mut document, _] = parts_samples();
-        document.input = "a \"b\" <c>&.ply".into();
+        let document = document("a \"b\" <c>&.ply");
         let (mut dot, mut xml) = (Vec::new(), Vec::new());
         write_dot(&document, &mut dot).unwrap();
         write_graphml(&document, &mut xml).unwrap();

@@ -7,6 +7,7 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::comparison::{Comparison, QUANTITIES, QuantitySummary};
@@ -21,7 +22,7 @@ pub(crate) const DIFF_SCHEMA: &str = "palpate.diff/1";
 const NAMES: [(&str, &str); QUANTITIES] = [("height", ""), ("normal", " deg"), ("S", ""), ("R", "")];
 
 /// One of the two.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct SurfacePart {
     /// Name of the file.
     pub(crate) file: String,
@@ -34,7 +35,7 @@ pub(crate) struct SurfacePart {
 }
 
 /// One quantity over all points compared.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub(crate) struct DifferencePart {
     /// Points at which both surfaces have it.
     pub(crate) points: usize,
@@ -59,7 +60,7 @@ pub(crate) struct DifferencePart {
 }
 
 /// All four.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct DifferencesPart {
     /// Height along z, or distance along A's normal.
     pub(crate) height: DifferencePart,
@@ -74,7 +75,7 @@ pub(crate) struct DifferencesPart {
 }
 
 /// Two surfaces compared.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct DiffDocument {
     /// `palpate.diff/1`.
     pub(crate) schema: &'static str,
@@ -243,40 +244,4 @@ pub(crate) fn write_diff_csv(found: &Comparison, out: &mut dyn Write) -> std::io
         text.push('\n');
     }
     out.write_all(text.as_bytes())
-}
-
-/// Documents from which the schema is made: everything there, and everything missing that may be.
-pub(super) fn diff_samples() -> [DiffDocument; 2] {
-    let surface = SurfacePart { file: "a.json".into(), kind: "height".into(), uncertainty: true, recognised: true };
-    let full = DifferencePart {
-        points: 1,
-        mean: Some(0.5),
-        rms: Some(0.5),
-        largest: Some(0.5),
-        largest_at: Some([0.5; 3]),
-        u: Some(0.5),
-        ratio: Some(0.5),
-        ratio_at: Some([0.5; 3]),
-        judged: 1,
-        beyond: 1,
-    };
-    let document = |part: DifferencePart, same| DiffDocument {
-        schema: DIFF_SCHEMA,
-        a: surface.clone(),
-        b: surface.clone(),
-        along: "z",
-        grid: [1, 1],
-        compared: 1,
-        same,
-        threshold: 0.5,
-        level: 0.5,
-        differences: DifferencesPart {
-            height: part.clone(),
-            normal_deg: part.clone(),
-            shape_index: part.clone(),
-            curvedness: part,
-        },
-        notes: vec!["a note".into()],
-    };
-    [document(full, Some(true)), document(DifferencePart::default(), None)]
 }

@@ -1,17 +1,18 @@
 //! `palpate.fit/1`: the keys of the JSON that others rely on. Lengths are in input units, angles in degrees; what is
 //! undefined is `null`. New keys may be added beside these; none is taken away without a new version.
 
-use std::fmt;
+use std::{fmt, iter};
 
+use schemars::JsonSchema;
 use serde::de::{Deserializer, MapAccess, Visitor};
-use serde::ser::{SerializeMap, Serializer};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::truth_part::TruthPart;
 use crate::io::{SavedFrame, SavedSurface, UncertaintyMap};
+use palpate_geometry::curvature::ShapeClass;
 
 /// One fit, described.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct FitDocument {
     /// `palpate.fit/1`.
     pub(crate) schema: String,
@@ -39,7 +40,7 @@ pub(crate) struct FitDocument {
 }
 
 /// How the surface was found, with the certificate of the numbers.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct FitPart {
     /// Degrees in x and y.
     pub(crate) degree: [usize; 2],
@@ -93,7 +94,7 @@ pub(crate) struct FitPart {
 }
 
 /// Decimal digits that agree for certain with the exact solution of the written problem.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct PromisePart {
     /// Of the coefficients, relative to the largest.
     pub(crate) coefficients: f64,
@@ -106,7 +107,7 @@ pub(crate) struct PromisePart {
 }
 
 /// What the program chose, and why.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct ChosenPart {
     /// `height` or `parametric`.
     pub(crate) surface: String,
@@ -140,7 +141,7 @@ impl ChosenPart {
 }
 
 /// One shape that was tried.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct TriedPart {
     /// Its name.
     pub(crate) name: String,
@@ -155,7 +156,7 @@ pub(crate) struct TriedPart {
 }
 
 /// Whether the residuals still hold a pattern.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct LackOfFitPart {
     /// Probability of residuals as alike as these among neighbours, were they independent.
     pub(crate) p: Option<f64>,
@@ -166,7 +167,7 @@ pub(crate) struct LackOfFitPart {
 }
 
 /// Certificate of a parametric surface.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct ParametricPart {
     /// How the contacts were flattened.
     pub(crate) parametrisation: String,
@@ -176,7 +177,8 @@ pub(crate) struct ParametricPart {
     pub(crate) settled: bool,
     /// Steps refused because they would have folded the map.
     pub(crate) folds_refused: usize,
-    /// Smallest Jacobian where contacts reach, over the mean one.
+    /// Smallest Jacobian where contacts reach, over the mean one; `null` where that is 0.
+    #[schemars(with = "Option<f64>")]
     pub(crate) smallest_jacobian: f64,
     /// The surface folds back on itself nowhere.
     pub(crate) fold_free: bool,
@@ -185,7 +187,9 @@ pub(crate) struct ParametricPart {
     pub(crate) fingers_monotone: Option<bool>,
     /// Contacts whose normal is against the surface.
     pub(crate) against: usize,
-    /// Largest curvature of the surface, divided by the largest that the normals of neighbouring contacts show there.
+    /// Largest curvature of the surface, divided by the largest that the normals of neighbouring contacts show there;
+    /// `null` where these show none.
+    #[schemars(with = "Option<f64>")]
     pub(crate) bending: f64,
     /// How often the fairness was raised tenfold because that ratio was above 2.5.
     pub(crate) fairness_raised: usize,
@@ -194,7 +198,7 @@ pub(crate) struct ParametricPart {
 }
 
 /// Where the knots of an adaptive surface are, and how they came there.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct AdaptivePart {
     /// Cells of the surface.
     pub(crate) cells: usize,
@@ -214,7 +218,7 @@ pub(crate) struct AdaptivePart {
 }
 
 /// Standard deviations of the noise.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct SigmaPart {
     /// Of z, input units.
     pub(crate) z: Option<f64>,
@@ -233,7 +237,7 @@ pub(crate) struct SigmaPart {
 }
 
 /// Root mean square residuals, unweighted.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct RmsPart {
     /// Heights, input units.
     pub(crate) z: Option<f64>,
@@ -247,7 +251,7 @@ pub(crate) struct RmsPart {
 }
 
 /// Shape over the grid.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct ShapePart {
     /// Points in x and y.
     pub(crate) grid: [usize; 2],
@@ -271,6 +275,7 @@ pub(crate) struct ShapePart {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) other_class: Option<String>,
     /// Probability of each class.
+    #[schemars(extend("required" = ShapeClass::CURVED.map(ShapeClass::name)))]
     pub(crate) class_probability: Option<Shares>,
     /// Where several classes stand side by side and `class` is null: share of the patch of each that has a tenth of it or more, the
     /// commonest first.
@@ -310,7 +315,7 @@ pub(crate) struct ShapePart {
 }
 
 /// How intervals came about.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct IntervalsPart {
     /// Law of the noise: `normal` where it was declared, `student_t` where it was estimated.
     pub(crate) law: String,
@@ -323,7 +328,7 @@ pub(crate) struct IntervalsPart {
 }
 
 /// Mean and spread over the patch, and the uncertainty of the mean.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct MeasurePart {
     /// Mean over the patch.
     pub(crate) mean: Option<f64>,
@@ -351,7 +356,7 @@ pub(crate) struct MeasurePart {
 }
 
 /// Mean and spread over the patch.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct SpreadPart {
     /// Mean over the patch.
     pub(crate) mean: Option<f64>,
@@ -365,11 +370,7 @@ pub(crate) struct Shares(pub Vec<(String, f64)>);
 
 impl Serialize for Shares {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for (name, share) in &self.0 {
-            map.serialize_entry(name, share)?;
-        }
-        map.end()
+        serializer.collect_map(self.0.iter().map(|(name, share)| (name, share)))
     }
 }
 
@@ -384,11 +385,7 @@ impl<'de> Deserialize<'de> for Shares {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Shares, A::Error> {
-                let mut shares = Vec::new();
-                while let Some(entry) = map.next_entry()? {
-                    shares.push(entry);
-                }
-                Ok(Shares(shares))
+                iter::from_fn(|| map.next_entry().transpose()).collect::<Result<_, _>>().map(Shares)
             }
         }
         deserializer.deserialize_map(InOrder)
@@ -396,7 +393,7 @@ impl<'de> Deserialize<'de> for Shares {
 }
 
 /// Wall-clock seconds.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct Seconds {
     /// Reading, or simulating, the contacts.
     pub(crate) read: f64,

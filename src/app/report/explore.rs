@@ -7,6 +7,7 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::document::ShapePart;
@@ -21,7 +22,7 @@ use palpate_studies::explore::{Exploration, ExploreOptions, Goal, Look, Stopped}
 pub(crate) const EXPLORE_SCHEMA: &str = "palpate.explore/1";
 
 /// S or R after some contacts.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub(crate) struct KnownPart {
     /// Mean over the patch.
     pub mean: Option<f64>,
@@ -38,7 +39,7 @@ pub(crate) struct KnownPart {
 }
 
 /// One look.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct StepPart {
     /// Contacts so far.
     pub contacts: usize,
@@ -61,19 +62,20 @@ pub(crate) struct StepPart {
 }
 
 /// u of S, and of R as a share of R.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "keys of the document")]
 pub(crate) struct UncertaintyPart {
     /// u(S).
     pub u_S: f64,
-    /// u(R)/R.
+    /// u(R)/R; `null` where R is 0.
+    #[schemars(with = "Option<f64>")]
     pub u_R: f64,
 }
 
 /// The whole exploration.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct ExploreDocument {
-    /// [`EXPLORE_SCHEMA`].
+    /// `palpate.explore/1`.
     pub schema: &'static str,
     /// Its scene.
     pub scene: String,
@@ -267,45 +269,4 @@ pub(crate) fn write_explore_csv(document: &ExploreDocument, out: &mut dyn Write)
         writeln!(out, "{},{},{s},{r},{kind}", step.contacts, step.touched.len())?;
     }
     Ok(())
-}
-
-/// Documents in which everything is there, and in which nothing is, with these shapes, for the schema.
-pub(super) fn explore_samples(shape: ShapePart, emptied: ShapePart, bare: ShapePart) -> [ExploreDocument; 4] {
-    let half = Some(0.5);
-    let part = KnownPart { mean: half, u: half, u_noise: half, u_model: half, interval: Some([0.5; 2]), truth: half };
-    let goal = UncertaintyPart { u_S: 0.5, u_R: 0.5 };
-    let full = ExploreDocument {
-        schema: EXPLORE_SCHEMA,
-        scene: "a scene".into(),
-        seed: 1,
-        strategy: "shape".into(),
-        stopped: "goal".into(),
-        reason: "the goal holds".into(),
-        model: "recognised".into(),
-        contacts: 1,
-        budget: 1,
-        goal: Some(goal),
-        steps: vec![StepPart {
-            contacts: 1,
-            shape_index: part.clone(),
-            curvedness: part,
-            kind: Some("sphere".into()),
-            refused: Some("too few".into()),
-            richer_p: half,
-            attainable: Some(goal),
-            touched: vec![[0.5; 2]],
-        }],
-        shape: Some(shape),
-        notes: vec!["a note".into()],
-    };
-    let mut empty = full.clone();
-    empty.goal = None;
-    for step in &mut empty.steps {
-        (step.shape_index, step.curvedness) = (KnownPart::default(), KnownPart::default());
-        (step.kind, step.refused, step.attainable, step.richer_p) = (None, None, None, None);
-    }
-    // contacts that the fit refuses have no shape
-    empty.shape = None;
-    let with = |shape: ShapePart| ExploreDocument { shape: Some(shape), ..full.clone() };
-    [with(emptied), with(bare), empty, full]
 }

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use palpate_geometry::curvature::ShapeClass;
@@ -14,7 +15,7 @@ use super::words::chance;
 pub(crate) const FITS_SCHEMA: &str = "palpate.fits/1";
 
 /// S or R of one file.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, JsonSchema)]
 pub(crate) struct FitsMeasure {
     /// Mean over the patch.
     pub(crate) mean: Option<f64>,
@@ -27,7 +28,7 @@ pub(crate) struct FitsMeasure {
 }
 
 /// What one file gave.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub(crate) struct FitsRow {
     /// As it was typed.
     pub(crate) file: String,
@@ -36,6 +37,7 @@ pub(crate) struct FitsRow {
     /// One of the nine classes, or plane.
     pub(crate) class: Option<String>,
     /// Probability of each class, where it is known.
+    #[schemars(extend("required" = ShapeClass::CURVED.map(ShapeClass::name)))]
     pub(crate) class_probability: Option<Shares>,
     /// Shape index.
     #[serde(rename = "S")]
@@ -52,7 +54,7 @@ pub(crate) struct FitsRow {
 }
 
 /// All files.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct FitsDocument {
     /// `palpate.fits/1`.
     pub(crate) schema: &'static str,
@@ -159,26 +161,4 @@ pub(crate) fn write_fits_line(row: &FitsRow, width: usize, out: &mut dyn Write) 
     let (s, r) = (measure(row.shape_index), measure(row.curvedness));
     let sure = row.class.as_deref().and_then(|class| row.chance_of(class)).map_or(String::new(), chance);
     writeln!(out, "{file:<width$}  {class:<12}  {sure:<14}  S {s:<26}  R {r}{radius}")
-}
-
-/// Documents from which the schema is made.
-pub(super) fn fits_samples() -> [FitsDocument; 2] {
-    let half = Some(0.5);
-    let measure = FitsMeasure { mean: half, u: half, lo: half, hi: half };
-    let full = FitsRow {
-        file: "a.csv".into(),
-        contacts: Some(1),
-        class: Some("cap".into()),
-        class_probability: Some(Shares(classes().map(|class| (class.into(), 0.5)).collect())),
-        shape_index: measure,
-        curvedness: measure,
-        radius: half,
-        notes: vec!["a note".into()],
-        error: Some("why".into()),
-    };
-    // a named model has no probability of its own for the plane
-    let mut named = full.clone();
-    named.class_probability.iter_mut().for_each(|shares| shares.0.truncate(ShapeClass::CURVED.len()));
-    let failed = FitsRow { notes: vec!["a note".into()], ..FitsRow::default() };
-    [FitsDocument::of(vec![full, named]), FitsDocument::of(vec![failed])]
 }

@@ -6,6 +6,7 @@
 //!
 //! Other programs write records of the same keys, so that their points stand in the same pictures.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use palpate_studies::frontier::{Clocked, Errors, Frontier, Point, QUANTITIES, Share};
@@ -14,7 +15,7 @@ use palpate_studies::frontier::{Clocked, Errors, Frontier, Point, QUANTITIES, Sh
 pub(crate) const FRONTIER_SCHEMA: &str = "palpate.frontier/1";
 
 /// Errors of the six quantities; null where they are undefined or not judged.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, JsonSchema)]
 pub(crate) struct AllErrorsPart {
     /// Shape index.
     #[serde(rename = "S")]
@@ -33,7 +34,7 @@ pub(crate) struct AllErrorsPart {
 }
 
 /// Coverage of the intervals of S and of R.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, JsonSchema)]
 pub(crate) struct CoveragePart {
     /// Of S.
     #[serde(rename = "S")]
@@ -44,7 +45,7 @@ pub(crate) struct CoveragePart {
 }
 
 /// Standard uncertainties of S and of R in the posterior; null where there is none.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, JsonSchema)]
 pub(crate) struct PosteriorSpreadPart {
     /// Of S.
     #[serde(rename = "S")]
@@ -55,7 +56,7 @@ pub(crate) struct PosteriorSpreadPart {
 }
 
 /// One point of a frontier.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "keys of the document")]
 pub(crate) struct FrontierRecord {
     /// `discretisation`, `solver` or `interval`.
@@ -123,7 +124,7 @@ pub(crate) struct FrontierRecord {
 }
 
 /// What was asked and what was picked.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "keys of the document")]
 pub(crate) struct PickPart {
     /// The configuration in words.
@@ -134,7 +135,8 @@ pub(crate) struct PickPart {
     pub error_R: Option<f64>,
     /// Replicates that the errors rest on.
     pub replicates: u64,
-    /// Median seconds of a fit with S and R.
+    /// Median seconds of a fit with S and R; `null` where none was timed.
+    #[schemars(with = "Option<f64>")]
     pub seconds: f64,
     /// What was asked.
     pub asked: AskedPart,
@@ -147,7 +149,7 @@ pub(crate) struct PickPart {
 }
 
 /// A request.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "keys of the document")]
 pub(crate) struct AskedPart {
     /// Largest error of S.
@@ -159,7 +161,7 @@ pub(crate) struct AskedPart {
 }
 
 /// What to take where nothing is asked for.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct RecommendedPart {
     /// Its place among the points.
     pub point: usize,
@@ -170,7 +172,7 @@ pub(crate) struct RecommendedPart {
 }
 
 /// What another program does with the same contacts.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "keys of the document")]
 pub(crate) struct BesidePart {
     /// Its name.
@@ -188,7 +190,7 @@ pub(crate) struct BesidePart {
 }
 
 /// One stage of a fit or of a replicate.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct StagePart {
     /// `fit` or `replicate`.
     pub of: String,
@@ -203,9 +205,9 @@ pub(crate) struct StagePart {
 }
 
 /// The whole document.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct FrontierDocument {
-    /// Schema.
+    /// `palpate.frontier/1`.
     pub schema: &'static str,
     /// Scene or file.
     pub scene: String,

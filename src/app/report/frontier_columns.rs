@@ -73,12 +73,15 @@ pub(crate) fn frontier_columns(records: &[FrontierRecord]) -> (Vec<String>, Vec<
 
 #[cfg(test)]
 mod tests {
-    use super::super::frontier_samples::{empty_frontier, full_frontier};
     use super::*;
+    use palpate_studies::frontier::{Clocked, Errors, Frontier, Point};
 
     #[test]
     fn what_is_missing_in_one_record_is_a_gap_in_its_row() {
-        let records = [full_frontier().points.remove(0), empty_frontier().points.remove(0)];
+        let errors = [Some(Errors { rms: 0.5, ..Errors::default() }); 6];
+        let seconds = Some(Clocked { median: 0.5, lo: 0.5, hi: 0.5, least: 0.5 });
+        let points = [Point { errors, seconds, ..Point::default() }, Point::default()];
+        let records = points.map(|point| FrontierRecord::new(Frontier::Discretisation, "a scene", &point));
         let mut text = Vec::new();
         write_frontier_csv(&records, &mut text).unwrap();
         let text = String::from_utf8(text).unwrap();

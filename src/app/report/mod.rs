@@ -30,7 +30,6 @@ mod frontier_columns;
 mod frontier_long;
 mod frontier_orders;
 mod frontier_picture;
-mod frontier_samples;
 mod frontier_stages;
 mod frontier_table;
 mod frontier_words;
@@ -46,7 +45,6 @@ mod parametric_view;
 mod parts;
 mod parts_file;
 mod parts_picture;
-mod parts_samples;
 mod percent;
 mod pictures;
 mod png;
@@ -56,11 +54,12 @@ mod points;
 mod radius;
 mod recognised_view;
 mod relations;
+#[cfg(test)]
+mod sample;
 mod schema;
 mod shape_part;
 mod study;
 mod study_picture;
-mod study_samples;
 mod study_table;
 mod subject;
 mod surface_maps;
@@ -81,7 +80,7 @@ pub(crate) use describe::{Answer, compute_shape, describe_fit, describe_saved, p
 pub(crate) use description::{Description, inverse_crime_remark};
 pub(crate) use diff::{DiffDocument, SurfacePart, write_diff_csv, write_diff_table};
 pub(crate) use diff_picture::write_diff_picture;
-pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, ShapePart, TriedPart};
+pub(crate) use document::{ChosenPart, FitDocument, LackOfFitPart, Seconds, ShapePart, Shares, TriedPart};
 pub(crate) use explore::{ExploreDocument, write_explore_csv, write_explore_table};
 pub(crate) use explore_picture::write_explore_picture;
 pub(crate) use fits::{FitsDocument, FitsRow, write_fits_csv, write_fits_line};
@@ -108,7 +107,7 @@ pub(crate) use point_shapes::{PointShapesFormat, write_point_shapes, write_point
 pub(crate) use radius::radius_bounds;
 pub use schema::{diff_schema, explore_schema, fit_schema, fits_schema, frontier_schema, parts_schema, study_schema};
 pub(crate) use study::{
-    NamedQuantities, NamedShares, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
+    NamedQuantities, QuantityPart, STUDY_SCHEMA, StudyDocument, effect_parts, study_notes, sum_parts,
 };
 pub(crate) use study_picture::write_study_picture;
 pub(crate) use study_table::{stopped_words, write_study_table};

@@ -1,12 +1,13 @@
 //! Which known object a body is: records and the line of the table.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::words::chance;
 use palpate_inference::parts::ObjectMatch;
 
 /// One known object.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct ObjectRecord {
     /// The name of its file; `null`: none of the library.
     pub name: Option<String>,

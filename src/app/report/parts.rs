@@ -7,6 +7,7 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::fold::folded;
@@ -25,7 +26,7 @@ pub(crate) const PARTS_SCHEMA: &str = "palpate.parts/1";
 const DIGITS: i32 = 4;
 
 /// One part.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct PartRecord {
     /// Its number.
     pub id: usize,
@@ -60,7 +61,7 @@ pub(crate) struct PartRecord {
 }
 
 /// Two parts that meet.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct JointPart {
     /// Their ids.
     pub parts: [usize; 2],
@@ -71,7 +72,7 @@ pub(crate) struct JointPart {
 }
 
 /// Noise as neighbourhoods show it.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct PartsNoisePart {
     /// Along the normal.
     pub distance: f64,
@@ -80,7 +81,7 @@ pub(crate) struct PartsNoisePart {
 }
 
 /// One true face.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct FacePart {
     /// Its kind.
     pub kind: String,
@@ -93,7 +94,7 @@ pub(crate) struct FacePart {
 }
 
 /// The truth of a scene beside the parts.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct PartsTruthPart {
     /// Every face that was seen.
     pub faces: Vec<FacePart>,
@@ -104,9 +105,9 @@ pub(crate) struct PartsTruthPart {
 }
 
 /// The whole answer.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct PartsDocument {
-    /// [`PARTS_SCHEMA`].
+    /// `palpate.parts/1`.
     pub schema: &'static str,
     /// File or scene.
     pub input: String,

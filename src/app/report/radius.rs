@@ -26,7 +26,7 @@ mod tests {
     #[test]
     fn the_interval_of_r_is_turned_round_where_no_other_is_known() {
         let part = |interval| MeasurePart { mean: Some(0.1), interval: Some(interval), ..MeasurePart::default() };
-        let mut shape = super::super::schema::full().shape;
+        let mut shape = super::super::sample::full_document().shape;
         (shape.radius, shape.radius_interval, shape.curvedness) = (Some(10.0), None, part([0.08, 0.125]));
         assert_eq!(radius_bounds(&shape), [Some(8.0), Some(12.5)]);
         shape.curvedness = part([0.0, 0.125]);

@@ -2,13 +2,14 @@
 
 use std::fmt::Write as _;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::words::chance;
 use palpate_inference::parts::{Relation, RelationKind};
 
 /// Two parts and what probably ties them.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct RelationRecord {
     /// Their ids.
     pub parts: [usize; 2],

@@ -4,16 +4,21 @@
 //! Summary, LinearLaw, Attribution -> StudyDocument -> JSON (report/json.rs), or a table (report/study_table.rs)
 //! ```
 
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::document::Shares;
 use super::table::significant;
+use palpate_geometry::curvature::ShapeClass;
 use palpate_studies::montecarlo::{Attribution, LinearLaw, Share, StudyResult, Summary};
 
 /// Schema name.
 pub(crate) const STUDY_SCHEMA: &str = "palpate.study/1";
 
 /// Standard errors.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub(crate) struct StandardErrors {
     /// Of the mean.
     pub mean: Option<f64>,
@@ -26,7 +31,7 @@ pub(crate) struct StandardErrors {
 }
 
 /// One quantity.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub(crate) struct QuantityPart {
     /// Mean over the replicates.
     pub mean: Option<f64>,
@@ -57,7 +62,7 @@ pub(crate) struct QuantityPart {
 }
 
 /// One quantile.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct QuantilePart {
     /// Share.
     pub share: f64,
@@ -68,7 +73,7 @@ pub(crate) struct QuantilePart {
 }
 
 /// The linear law of one quantity.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub(crate) struct LinearQuantity {
     /// Standard uncertainty.
     pub sd: Option<f64>,
@@ -81,7 +86,7 @@ pub(crate) struct LinearQuantity {
 }
 
 /// The linear law.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct LinearDocument {
     /// Of S.
     #[serde(rename = "S")]
@@ -96,7 +101,7 @@ pub(crate) struct LinearDocument {
 }
 
 /// One effect's shares of the variance.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 #[allow(non_snake_case, reason = "keys of the document")]
 pub(crate) struct EffectPart {
     /// Its name.
@@ -135,16 +140,6 @@ pub(crate) struct EffectPart {
     pub linear_R: Option<f64>,
 }
 
-/// Shares in the order of S.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct NamedShares(pub Vec<(String, f64)>);
-
-impl Serialize for NamedShares {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|(name, share)| (name, share)))
-    }
-}
-
 /// Quantities beside S and R, by name.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct NamedQuantities(pub Vec<(String, QuantityPart)>);
@@ -156,9 +151,9 @@ impl Serialize for NamedQuantities {
 }
 
 /// The whole document.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct StudyDocument {
-    /// [`STUDY_SCHEMA`].
+    /// `palpate.study/1`.
     pub schema: &'static str,
     /// Name of the scene.
     pub scene: String,
@@ -189,9 +184,11 @@ pub(crate) struct StudyDocument {
     #[serde(rename = "R")]
     pub curvedness: QuantityPart,
     /// Others that were asked for.
+    #[schemars(with = "BTreeMap<String, QuantityPart>")]
     pub quantities: NamedQuantities,
     /// Shares of the classes; those without a class under `none`.
-    pub class: NamedShares,
+    #[schemars(extend("required" = ShapeClass::CURVED.map(ShapeClass::name)))]
+    pub class: Shares,
     /// The class that reaches the level; null: none does.
     pub verdict: Option<String>,
     /// Replicates whose fit failed.
@@ -215,7 +212,7 @@ pub(crate) struct StudyDocument {
 }
 
 /// A sum of shares.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(crate) struct SumPart {
     /// Of which quantity.
     pub quantity: String,

@@ -1,11 +1,12 @@
-//! A sweep: S, R and class shares against keys of the scene, as table and CSV; the picture is in `pictures/sweep.rs`.
+//! A sweep: S, R and class shares against keys of the scene, as table and CSV; the picture is in `sweep_picture.rs`.
 
 use std::fmt::Write as _;
 use std::io::Write;
 
 use serde::Serialize;
 
-use super::study::{NamedShares, QuantityPart, StudyDocument};
+use super::document::Shares;
+use super::study::{QuantityPart, StudyDocument};
 use super::table::significant;
 
 /// One point of a sweep.
@@ -20,7 +21,7 @@ pub(crate) struct SweepPoint {
     #[serde(rename = "R")]
     pub curvedness: QuantityPart,
     /// Class shares.
-    pub class: NamedShares,
+    pub class: Shares,
     /// Replicates whose fit failed.
     pub failed: u64,
 }

@@ -1,9 +1,10 @@
 //! The part of `palpate.fit/1` that only a simulated world has: what is true of what was found.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The truth over the same points.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct TruthPart {
     /// Mean true shape index.
     #[serde(rename = "S")]

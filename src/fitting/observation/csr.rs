@@ -24,6 +24,19 @@ use palpate_numeric::linalg::{RowWeights, Sites};
 /// input for example. Rows carry no weights: multiply the rows of each block by the weights of the fit to get its least
 /// squares problem. Every row stores all (p + 1)(q + 1) entries of its cell, also those that happen to be zero.
 /// Outside the domain the polynomials of the end segments continue.
+///
+/// ```
+/// # use palpate_fitting::facade as palpate;
+/// use palpate::{spline::Knots, stacked_csr};
+///
+/// let knots = Knots::uniform(2, 3, 0.0, 1.0)?; // 5 basis functions
+/// let rows = stacked_csr([&knots, &knots], &[[0.25, 0.5], [0.75, 0.5]]);
+/// assert_eq!((rows.nrows(), rows.ncols(), rows.row(0).nnz()), (3 * 2, 5 * 5, 3 * 3));
+/// // basis functions sum to 1, their slopes to 0
+/// let sum = |row: usize| rows.row(row).values().iter().sum::<f64>();
+/// assert!((sum(0) - 1.0).abs() < 1e-15 && sum(2).abs() < 1e-14);
+/// # Ok::<(), palpate::spline::SplineError>(())
+/// ```
 pub fn stacked_csr(knots: [&Knots; 2], points: &[[f64; 2]]) -> CsrMatrix<f64> {
     let (count, columns) = (points.len(), knots[1].n_basis());
     let mut triplets = CooMatrix::new(3 * count, knots[0].n_basis() * columns);

@@ -3,7 +3,7 @@
 //! ```text
 //! 1  flatten: (u, v) of every contact from fingers and stations, or from the contacts alone     fingers, isomap, layout
 //! 2  start: linear rows, full 3 x 3 blocks                                                      start
-//! 3  minimise  sum (n^.(P - Q(u)))^2/Z^2 + |n - n^|^2/sigma^2 + lambda E + tau T                descent, problem, foot, fairness
+//! 3  minimise  sum (n^.(P - Q(u)))^2/Z^2 + |n - n^|^2/sigma^2 + lambda E + tau T                descent, problem, foot_point, fairness
 //! 4  estimate Z, sigma, lambda by their variance components                                     noise
 //! 5  raise lambda until the surface bends no more than the contacts can have felt               limit_bending
 //! 6  S, R and directions where contacts reach                                                   describe

@@ -12,7 +12,8 @@ use palpate_numeric::bspline::Knots;
 /// Position, and first and second derivatives.
 pub type Jet = ParametricPoint;
 
-/// A map of a rectangle into space.
+/// A map of a rectangle into space. Views, comparisons and tables of points ask a surface for no more than this, so that a new kind of
+/// surface needs only a [`Surface::jet`].
 pub trait Surface {
     /// Ranges of u and v.
     fn domain(&self) -> [[f64; 2]; 2];
@@ -23,7 +24,7 @@ pub trait Surface {
     /// Numbers that the map has: its coefficients.
     fn unknowns(&self) -> usize;
 
-    /// Position and derivatives; beyond the ends of the domain, the end polynomials'.
+    /// Position and derivatives with `at` = (u, v); beyond the ends of the domain, the end polynomials'.
     fn jet(&self, at: [f64; 2]) -> Jet;
 }
 

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Twenty-nine touches of a ball by a tactile sensor whose slopes are wrong by 0.09 fit a blunt cone best, with a radius that is
-//! off by 240 times its u (`benches/runs/scans.md`). A cloud with tested parts judges its small ones by the others (`doubt.rs`).
+//! off by 240 times its u (`benches/runs/scans.md`). A cloud with tested parts judges its small ones by the others (`lack_of_fit_uncertainty.rs`).
 
 use super::cloud::Cloud;
 use super::exact::Exact;

@@ -21,6 +21,7 @@ use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm};
 /// How two parts of a body may be tied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum RelationKind {
     /// Two axes are one line, or the centre of a ball lies on an axis.
     Coaxial,

@@ -8,6 +8,7 @@ use palpate_geometry::curvature::ShapeClass;
 /// uncertainties the same, with `axis_deg` for the direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PartGeometry {
     /// A point of the plane or of the axis next to the part's middle; the centre of a sphere or torus; the middle of a patch.
     pub point: [f64; 3],
@@ -26,6 +27,7 @@ pub struct PartGeometry {
 /// Standard uncertainties of a part's geometry.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PartUncertainty {
     /// Of the point: across the plane or the axis only, since along it any point is as good.
     pub point: Option<f64>,

@@ -142,7 +142,7 @@ fn ulps(value: f64, expected: f64) -> f64 {
 }
 
 /// Collects the largest difference between a kernel and its twin, to print it and to limit it:
-/// `cargo test --lib simd -- --nocapture`.
+/// `cargo test -p palpate-numeric simd -- --nocapture`.
 #[cfg(test)]
 struct Twins {
     kernel: &'static str,

@@ -72,11 +72,6 @@ impl TriangularFactor {
         Ok(TriangularFactor { shape, scale, blocks: band.blocks, rhs: band.rhs, dead: band.dead })
     }
 
-    /// Unknowns whose diagonal entry of R vanishes to rounding: their columns depend on those before them.
-    pub fn dependent(&self) -> &[usize] {
-        &self.dead
-    }
-
     /// Rank found: unknowns less dependent columns.
     pub fn rank(&self) -> usize {
         self.scale.len() - self.dead.len()

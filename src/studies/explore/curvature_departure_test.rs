@@ -8,7 +8,7 @@
 //! ```
 //!
 //! A bump is no ball because its curvatures change from place to place: to one side, which the four cubic terms see, or from
-//! the middle outwards, which the last one sees. Five terms see what the 25 unknowns of a spline (`richer.rs`) spread over
+//! the middle outwards, which the last one sees. Five terms see what the 25 unknowns of a spline (`richer_spline_test.rs`) spread over
 //! all of them. A departure may be certain and yet leave S and R as they are: a paraboloid's patch, tilted, is one.
 
 use palpate_geometry::contact::Contacts;

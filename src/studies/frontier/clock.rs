@@ -23,18 +23,24 @@ const FOR_LEAST: f64 = 3.0;
 /// Samples of the bootstrap; the ends of an interval of 95 % are then some 5 % of its width off.
 const SAMPLES: usize = 200;
 
-/// Median time of one call, with the interval that rounds drawn again give in 95 of 100 cases; seconds.
+/// Median time of one call, with the interval that rounds drawn again give in 95 of 100 cases; seconds. NaN, and `null` in JSON, where no
+/// round was made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Clocked {
     /// Median over the rounds.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub median: f64,
     /// Lower end.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub lo: f64,
     /// Upper end.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub hi: f64,
     /// The quickest round, of this call or of one that does the same work: what it takes while nothing else runs, which changes least
     /// between two runs.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub least: f64,
 }
 

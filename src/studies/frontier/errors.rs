@@ -71,6 +71,7 @@ pub(super) struct Judged {
 /// The errors of one quantity over all replicates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Errors {
     /// Root mean square over points and replicates.
     pub rms: f64,
@@ -125,6 +126,7 @@ fn interval(squares: &[f64]) -> [f64; 2] {
 /// Share of true ones with its interval of 95 % (E. B. Wilson, *J. Am. Stat. Assoc.* 22 (1927) 209) and how many there were.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Share {
     /// Share.
     pub share: f64,

@@ -93,7 +93,7 @@ fn in_truth(document: &FitDocument) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::document::Shares;
-    use super::super::schema::full;
+    use super::super::sample::full_document;
     use super::*;
 
     fn written(document: &FitDocument) -> String {
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn every_line_fits_a_terminal() {
-        let mut document = full();
+        let mut document = full_document();
         document.fit.notes = vec!["a long note that goes on ".repeat(20)];
         for line in written(&document).lines() {
             assert!(line.chars().count() <= PAGE_WIDTH && line == line.trim_end(), "{line}");
@@ -114,7 +114,7 @@ mod tests {
     /// A wide terminal has what a number means beside it, a narrow one below all of them.
     #[test]
     fn the_table_is_as_wide_as_its_reader() {
-        let mut document = full();
+        let mut document = full_document();
         document.shape.class_by_area = None;
         let at = |width| {
             let mut out = Vec::new();
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn advice_that_was_taken_is_not_given_again() {
-        let document = full();
+        let document = full_document();
         let said = |audience| {
             let mut out = Vec::new();
             write_words("a.csv", &document, audience, &mut out).unwrap();
@@ -148,7 +148,7 @@ mod tests {
     /// The mean of S may lie in a class that nearly no surface which explains the contacts has.
     #[test]
     fn a_class_without_probability_is_not_said_as_found() {
-        let mut document = full();
+        let mut document = full_document();
         let shape = &mut document.shape;
         (shape.class, shape.class_by_area) = (Some("ridge".into()), None);
         (shape.radius, shape.radii, shape.centre) = (Some(8.9), None, Some([0.0; 3]));
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn units_are_echoed_when_given() {
-        let mut document = full();
+        let mut document = full_document();
         document.unit = Some("mm".into());
         document.shape.class = Some("ridge".into());
         let text = written(&document);

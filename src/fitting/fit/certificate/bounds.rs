@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Normal rows are solved by repetition, which makes `x = (I - M)^-1 dc` of what one linear problem is off by. With
-//! `|E x| <= e |E dc|` and `|E (x - dc)| <= f |E dc|` from `src/fit/objective/contraction.rs` the first bound is e times as
+//! `|E x| <= e |E dc|` and `|E (x - dc)| <= f |E dc|` from `objective/contraction.rs` the first bound is e times as
 //! large, and the third has, in place of that norm,
 //!
 //! ```text
@@ -17,7 +17,7 @@
 //!
 //! Under a roughness penalty `A = E'E + lambda P`, and t has `lambda |P||c|`. P is rounded itself, `|dP| <= k u |P|`, k the roundings of
 //! an entry: with `h = k u + w` the first line has the smaller of `10 h kappa^2 |D^-1 c|` and `10 h n^(1/2) | |D^-1 A^-1| lambda |P||c| |`
-//! beside it, and in the third one t has `k u lambda |P||c| / v`, too. With gaps the first has `10 kappa |E_F dc_F|` (`src/fit/linear/gaps.rs`). The factor 10 allows
+//! beside it, and in the third one t has `k u lambda |P||c| / v`, too. With gaps the first has `10 kappa |E_F dc_F|` (`linear/minimum_roughness.rs`). The factor 10 allows
 //! for the condition estimator's underestimate. The third line is the same perturbation of the augmented system,
 //! `dc = E^+ (db - dE c) + A^-1 dE'r`, in the direction g instead of the worst direction. On small problems it guarantees about
 //! two digits more; the factor v allows for the second order. The smaller bound is used.

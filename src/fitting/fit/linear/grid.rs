@@ -3,8 +3,6 @@
 //! Exact: every pixel measured, one weight per block, slope rows, no roughness. Then `A^-1` needs two small eigenproblems
 //! and four matrix products; elsewhere the same factors, with mean weights, are the preconditioner.
 
-use std::sync::Arc;
-
 use crate::fit::FitError;
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free_unknowns::Free;
@@ -64,20 +62,7 @@ pub(super) fn solve(
         GridMethod::Direct => Reason::CompleteGrid,
         GridMethod::Iterative => Reason::Iterated { iterations },
     };
-    let mut solution = Solution {
-        coefficients,
-        factor: Arc::new(solver),
-        method: used,
-        reasons: vec![Reason::Requested, why],
-        rank: order,
-        unsupported: Vec::new(),
-        pinned: None,
-        refinements: 0,
-        refinement_gain: 1.0,
-        unsettled: 0.0,
-        enlarged: 1.0,
-        filled: 0.0,
-    };
+    let mut solution = Solution::unrefined(coefficients, solver, used, vec![Reason::Requested, why], order);
     refine(equations, &mut solution, free);
     Ok(solution)
 }

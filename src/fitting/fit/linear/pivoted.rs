@@ -4,8 +4,6 @@
 //! [E; sqrt(lambda) L] = Q R P, rank r      c <- c + Z t,  (Z'PZ) t = -Z'P c       Z the null space, P the roughness
 //! ```
 
-use std::sync::Arc;
-
 use crate::fit::FitError;
 use crate::fit::linear::equations::Equations;
 use crate::fit::linear::free_unknowns::Free;
@@ -44,20 +42,8 @@ pub(super) fn by_pivoted_qr(
     }
     unsupported.sort_unstable();
     unsupported.dedup();
-    Ok(Solution {
-        coefficients,
-        rank,
-        factor: Arc::new(factor),
-        method: MethodUsed::PivotedQr,
-        reasons,
-        unsupported,
-        pinned: None,
-        refinements: 0,
-        refinement_gain: 1.0,
-        unsettled: 0.0,
-        enlarged: 1.0,
-        filled: 0.0,
-    })
+    let solution = Solution::unrefined(coefficients, factor, MethodUsed::PivotedQr, reasons, rank);
+    Ok(Solution { unsupported, ..solution })
 }
 
 /// The dense rows that are not empty, factored.

@@ -1,7 +1,5 @@
 //! QR of the rows, where Cholesky would lose too many digits; rank-revealing QR where the rank is in question.
 
-use std::sync::Arc;
-
 use crate::fit::FitError;
 use crate::fit::linear::cholesky::{self, NormalFactor};
 use crate::fit::linear::equations::Equations;
@@ -50,20 +48,8 @@ pub(super) fn by_qr(
         }
         return Err(FitError::Rank { rank: factor.rank(), unknowns: equations.unknowns() });
     }
-    let mut solution = Solution {
-        coefficients: factor.coefficients(),
-        rank: factor.rank(),
-        factor: Arc::new(factor),
-        method: MethodUsed::Qr,
-        reasons,
-        unsupported: Vec::new(),
-        pinned: None,
-        refinements: 0,
-        refinement_gain: 1.0,
-        unsettled: 0.0,
-        enlarged: 1.0,
-        filled: 0.0,
-    };
+    let (coefficients, rank) = (factor.coefficients(), factor.rank());
+    let mut solution = Solution::unrefined(coefficients, factor, MethodUsed::Qr, reasons, rank);
     refine(equations, &mut solution, free);
     Ok(solution)
 }

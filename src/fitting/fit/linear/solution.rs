@@ -41,6 +41,30 @@ pub struct Solution {
 }
 
 impl Solution {
+    /// What a factor of all equations gives, before anything is refined.
+    pub(crate) fn unrefined(
+        coefficients: Vec<f64>,
+        factor: impl Factor + 'static,
+        method: MethodUsed,
+        reasons: Vec<Reason>,
+        rank: usize,
+    ) -> Solution {
+        Solution {
+            coefficients,
+            factor: Arc::new(factor),
+            method,
+            reasons,
+            rank,
+            unsupported: Vec::new(),
+            pinned: None,
+            refinements: 0,
+            refinement_gain: 1.0,
+            unsettled: 0.0,
+            enlarged: 1.0,
+            filled: 0.0,
+        }
+    }
+
     /// Inverse norms of E's columns, where the factor has them: Cholesky's equilibration of a matrix that is E'E and
     /// nothing else. Those of unsupported unknowns mean nothing.
     pub fn column_scales(&self, equations: &Equations) -> Option<&[f64]> {

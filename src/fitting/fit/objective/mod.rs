@@ -4,7 +4,7 @@
 //! ```text
 //! fit_plain:  slopes.rs, linear         (Objective::Slopes)
 //!             normals.rs, Gauss-Newton  (Objective::Normals)
-//! repeated by:  located.rs (errors in x and y)  ->  smoothing.rs (lambda)  ->  robust.rs (weights)  ->  fit_plain
+//! repeated by:  errors_in_variables.rs (x and y)  ->  smoothing.rs (lambda)  ->  robust.rs (weights)  ->  fit_plain
 //! ```
 //!
 //! Preset weights hold in patch units, where the height residual is in units of half the domain's larger side; explicit

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! w ~ exp(log evidence)                                   the estimate
-//! v                                                       the interval and the classes: `doubt.rs`
+//! v                                                       the interval and the classes: `interval_weights.rs`
 //! 1/40 < rms f / relief < 1/8, or < 1/2 where rms f < 2 x the scatter of single contacts,
 //! P(neighbours share errors > rms f / 20) > 0.1,
 //! and no measured normals that follow f:                  f is read as the sensor's systematic error, not as shape

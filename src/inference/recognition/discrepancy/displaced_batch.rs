@@ -1,7 +1,7 @@
 //! Eight displaced surfaces at once: S, R and both curvatures at points of their common chart.
 //!
 //! ```text
-//! surfaces (k1, k2, A, C, B, c), eight to a pack      points (u, v, basis functions)      kernel: src/simd/displaced_shapes.rs
+//! surfaces (k1, k2, A, C, B, c), eight to a pack      points (u, v, basis functions)      kernel: src/numeric/simd/displaced_shapes.rs
 //! ```
 
 use palpate_numeric::simd::{ChartBasis, EightShapes, EightSurfaces, Isa, SURFACES, displaced_shapes};

@@ -8,7 +8,7 @@
 //!
 //! free      as above
 //! drawn     F_u o 1 and 1 o F_v                              varies along one side alone
-//! turned    angular order 0 and 1 about the middle           turned.rs
+//! turned    angular order 0 and 1 about the middle           rotational_process.rs
 //! ```
 //!
 //! A spline whose third derivatives cost expects every surface to bend as abruptly as its prior allows. What bodies show over

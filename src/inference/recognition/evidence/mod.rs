@@ -6,8 +6,9 @@
 //! ```
 //!
 //! `node.rs` says what a hypothesis is. `linearised.rs` collects what the evidence is computed from, `whitened.rs` brings it under one
-//! covariance, and `marginal_likelihood.rs` computes it. `search.rs` chooses which hypotheses are asked, `second_look.rs` asks again
-//! about a displaced surface, `over_plane.rs` about one that stands over a plane, and `looks.rs` takes the equations that explain most. `joint_posterior.rs` gives the surfaces of one node.
+//! covariance, and `marginal_likelihood.rs` computes it. `evidence_grid.rs` chooses which hypotheses are asked, `relinearise.rs`
+//! asks again about a displaced surface, `discrepancy_over_plane.rs` about one that stands over a plane, and `model_search.rs` takes the
+//! equations that explain most. `joint_posterior.rs` gives the surfaces of one node.
 
 mod discrepancy_over_plane;
 mod evidence_grid;

@@ -4,8 +4,8 @@
 //! shown = the simple shape, or a flexible height field where misfit > 1/4 of the relief, with a pattern
 //! ```
 //!
-//! `shown.rs` makes this choice, with `flexible.rs` for the field and `own_axes.rs` for the axes it lies over. `beside.rs` recognises
-//! what a named model was fitted to, so that its interval counts other kinds of surface. `spline.rs` makes of a recognised surface
+//! `model_selection.rs` makes this choice, with `cross_validated_spline.rs` for the field and `principal_axes.rs` for the axes it lies over.
+//! `named_model_uncertainty.rs` recognises what a named model was fitted to, so that its interval counts other kinds of surface. `spline.rs` makes of a recognised surface
 //! one that can be saved, and `pointwise.rs` gives its uncertainty point by point.
 
 mod cross_validated_spline;

@@ -4,8 +4,8 @@
 //! cov e = s^2 (D + rho exp(-r/l))        var d = s_z^2 n_z^2 + s_xy^2 (1 - n_z^2)        slopes measured = (1 + g) slopes true
 //! ```
 //!
-//! Errors of places come first: `places.rs` asks how large they are, `in_place.rs` weighs contacts on slopes by them, and `strayed.rs`
-//! sets back those that crossed the edges. Then come the covariances, `covariance.rs` of distances and `normals.rs` of normals,
+//! Errors of places come first: `position_covariance.rs` asks how large they are, `slope_dependent_variance.rs` weighs contacts on slopes
+//! by them, and `regression_calibration.rs` sets back those that crossed the edges. Then come the covariances, `covariance.rs` of distances and `normals.rs` of normals,
 //! and `gain.rs` for a sensor whose slopes are all too steep.
 
 mod covariance;

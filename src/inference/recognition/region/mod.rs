@@ -5,7 +5,7 @@
 //! map, lattice = even grids over x and y, or over the chart where the surface stands steep
 //! ```
 //!
-//! `surface.rs` comes first, then `support.rs`. `over_plane.rs` finds the surface over given x and y, and `map.rs` chooses the points.
+//! `surface.rs` comes first, then `support.rs`. `projected_grid.rs` finds the surface over given x and y, and `map.rs` chooses the points.
 //! `predictive.rs` says what touches at other places would measure, and `posterior_draws.rs` where the drawn surfaces lie.
 
 mod map;

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! `descent.rs` makes one such fit and `robust.rs` chooses among several; `directions.rs` adds normals where positions alone do not
-//! determine a surface. `taken_back.rs` keeps contacts that lie off it only because
+//! determine a surface. `outlier_reinstatement.rs` keeps contacts that lie off it only because
 //! the surface departs from constant curvatures. `patch.rs` puts these steps together, and `relief.rs` says how far the patch is
 //! from a plane.
 

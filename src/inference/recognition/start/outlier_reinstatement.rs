@@ -9,7 +9,7 @@
 //!
 //! The corners of a bump bend the other way than its middle. Without this step they were left out, and with them what told
 //! S there. A blunder stays out: no neighbour lies off the surface as it does, and the departure is held to its natural size
-//! (`departures/natural.rs`). Huber's weights: P. J. Huber, *Robust Statistics*, 1981.
+//! (`discrepancy/polynomial_prior.rs`). Huber's weights: P. J. Huber, *Robust Statistics*, 1981.
 
 use faer::Mat;
 

@@ -3,7 +3,7 @@
 //! ```text
 //! height quadric z = z0 + gx x + gy y + (A x^2 + 2 B x y + C y^2)/2    ->  starts of sphere, cylinder and general
 //! best general fit = least sum of min(|d|, 3 s)^2         outliers: |d| > 6 mad(d) sqrt(n/(n - 6))
-//!                                                       and off a smooth departure from it, too (taken_back.rs)
+//!                                                       and off a smooth departure from it, too (outlier_reinstatement.rs)
 //! ```
 //!
 //! The factor is 6, because errors of real scans are correlated and large ones are more frequent than among gaussians.

@@ -6,7 +6,8 @@
 //! this folder: a kernel is compiled for them only through a [`Kind`] that was detected on this machine.
 //!
 //! `pulp`, which faer brings, has the sums and products but no estimate of a reciprocal root, no shift of 64-bit words, no
-//! conversion from integers and no bit rotation: seven of the 24 kernels would keep these types beside pulp's.
+//! conversion from integers and no bit rotation: seven of the 24 kernels would keep these types beside pulp's. Its 512-bit lanes are
+//! one switch for all crates, faer among them, whose answers would move (`benches/runs/lanes.md`).
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
