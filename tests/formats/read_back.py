@@ -276,12 +276,57 @@ def mesh_table(parquet, ply):
     return out | {"points": stack("xyz"), "normals": stack(["nx", "ny", "nz"]), "faces": faces}
 
 
+# Bodies, and the kinds of surface that CAD has to find in their parts.step.
+BODIES = {
+    "parts-capsule": ["Cylinder", "Plane", "Sphere"],
+    "parts-box": ["Plane"] * 3,
+    "parts-cone": ["Cone", "Cylinder", "Plane", "Plane"],
+    "parts-mug": ["Cylinder", "Cylinder", "Plane", "Plane", "Plane", "Torus"],
+}
+
+
+def parts_of(program, scene, folder):
+    """The primitives of a body as OpenCASCADE has them: valid faces of the right kinds, and the contacts within noise of them."""
+    from OCP.BRepAdaptor import BRepAdaptor_Surface
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
+    from OCP.BRepCheck import BRepCheck_Analyzer
+    from OCP.BRepExtrema import BRepExtrema_DistShapeShape
+    from OCP.gp import gp_Pnt
+    from OCP.IFSelect import IFSelect_RetDone
+    from OCP.STEPControl import STEPControl_Reader
+    from OCP.TopAbs import TopAbs_FACE
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopoDS import TopoDS
+
+    palpate(program, "parts", scene, "--out", str(folder / "out"), "--quiet")
+    reader = STEPControl_Reader()
+    assert reader.ReadFile(str(folder / "out" / "parts.step")) == IFSelect_RetDone
+    reader.TransferRoots()
+    shape = reader.OneShape()
+    assert BRepCheck_Analyzer(shape).IsValid(), scene
+    explorer, kinds = TopExp_Explorer(shape, TopAbs_FACE), []
+    as_face = getattr(TopoDS, "Face_s", None) or TopoDS.Face
+    while explorer.More():
+        kinds.append(BRepAdaptor_Surface(as_face(explorer.Current())).GetType().name.split("_")[-1])
+        explorer.Next()
+    table = np.genfromtxt(folder / "out" / "parts.csv", delimiter=",", names=True)
+    points = np.stack([table[name] for name in "xyz"], axis=-1)[::97]
+    far = [BRepExtrema_DistShapeShape(BRepBuilderAPI_MakeVertex(gp_Pnt(*map(float, p))).Vertex(), shape).Value() for p in points]
+    return sorted(kinds), float(np.median(far)), float(np.max(far)), float(np.ptp(points, axis=0).max())
+
+
 def main():
     program = str(Path(sys.argv[1]).resolve())
     rows = []
     for name, arguments in SURFACES.items():
         with tempfile.TemporaryDirectory() as folder:
             rows += rows_of(program, name, arguments, Path(folder))
+    for scene, kinds in BODIES.items():
+        with tempfile.TemporaryDirectory() as folder:
+            found, middle, far, size = parts_of(program, scene, Path(folder))
+        assert found == kinds, (scene, found)
+        assert middle < 0.01 * size, (scene, middle)
+        rows.append((scene, "parts.step", "out", "OpenCASCADE", far, far / size))
     lines = ["| surface | format | direction | reader | largest coordinate difference | of the size |", "|---|---|---|---|---|---|"]
     for name, ending, direction, reader, difference, share in rows:
         lines.append(f"| {name} | {ending} | {direction} | {reader} | {difference:.1e} | {share:.1e} |")

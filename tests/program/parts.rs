@@ -282,6 +282,25 @@ fn relations_tie_what_the_makers_tied() {
     assert_eq!(made("parts.dot").matches(" -- ").count(), edges);
     assert_eq!(made("parts.graphml").matches("<edge ").count(), edges);
     assert!(made("report.html").contains("What ties them"));
+    let step = made("parts.step");
+    for surface in ["PLANE(", "CYLINDRICAL_SURFACE(", "SPHERICAL_SURFACE("] {
+        assert_eq!(step.matches(surface).count(), 1, "{surface}");
+    }
+    assert_eq!(step.matches("ADVANCED_FACE('").count(), 3);
+    every_instance_stands(&step);
+}
+
+/// What a line of a STEP file names stands in a line before it.
+fn every_instance_stands(step: &str) {
+    let mut known = std::collections::HashSet::new();
+    for line in step.lines().filter(|line| line.starts_with('#')) {
+        let (own, entity) = line.split_once('=').unwrap();
+        let named = entity.split('#').skip(1).map(|rest| rest.split(|c: char| !c.is_ascii_digit()).next().unwrap());
+        for number in named {
+            assert!(known.contains(number), "#{number} in {line}");
+        }
+        assert!(known.insert(own[1..].to_string()), "{own} stands twice");
+    }
 }
 
 /// A scan of the mug with a seed of its own is the mug of a library, as a document and as a scene; a capsule is none of them.

@@ -55,7 +55,7 @@ const FAMILIES: [&[&str]; 9] = [
     &["sweep.json", "sweep.csv", "sweep.svg", "sweep.png", "sweep.pdf"],
     &["coverage.json", "coverage.csv"],
     &["explore.json", "explore.csv", "explore.svg", "explore.png", "explore.pdf"],
-    &["parts.json", "parts.csv", "parts.svg", "parts.png", "parts.pdf", "parts.dot", "parts.graphml"],
+    &["parts.json", "parts.csv", "parts.svg", "parts.png", "parts.pdf", "parts.dot", "parts.graphml", "parts.step"],
     &[
         "frontier.json",
         "frontier.csv",

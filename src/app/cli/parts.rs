@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::io::scene_file::builtin_text;
-use crate::io::write_atomically;
+use crate::io::{trimmed_primitives, write_atomically, write_primitives};
 use crate::report::{
     PartsBody, PartsDocument, PointShapesFormat, Provenance, write_dot, write_graphml, write_json, write_parts_csv,
     write_parts_page, write_parts_picture, write_parts_table, write_point_shapes, write_point_shapes_summary,
@@ -127,6 +127,11 @@ fn publish(
         output.file("parts.csv", &mut |out| write_parts_csv(contacts, found, out))?;
         output.file("parts.dot", &mut |out| write_dot(document, out))?;
         output.file("parts.graphml", &mut |out| write_graphml(document, out))?;
+        let primitives = trimmed_primitives(found, contacts);
+        // a shell without faces is none
+        if !primitives.is_empty() {
+            output.file("parts.step", &mut |out| write_primitives(&primitives, &args.input, out))?;
+        }
         let picture = |format, out: &mut dyn Write| write_parts_picture(contacts, found, &edge, format, out);
         args.pictures.write(output, "parts", &picture)?;
         let body = PartsBody { contacts, found, edge: &edge };

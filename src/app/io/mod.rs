@@ -82,7 +82,7 @@ pub(crate) use same_file::{same_file, same_place};
 pub(crate) use study_file::{StudyFile, StudyIdentity, read_study, study_bytes, text_hash, write_study};
 pub(crate) use support_map::SupportMap;
 pub(crate) use surface_file::{AnySurface, FIT_SCHEMA, Saved, SavedFrame, SavedSurface};
-pub(crate) use surfaces::{SurfaceFormat, encode_surface, is_cad, tensor};
+pub(crate) use surfaces::{SurfaceFormat, encode_surface, is_cad, tensor, trimmed_primitives, write_primitives};
 pub(crate) use table_pieces::TablePieces;
 pub(crate) use temporary_folder::TemporaryFolder;
 pub(crate) use touch_lines::{LineHeard, TouchLines};

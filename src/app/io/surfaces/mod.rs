@@ -26,9 +26,11 @@ mod part21;
 mod ply_mesh;
 mod point_table;
 mod scipy_npz;
+mod step_primitives;
 mod step_reader;
 mod step_writer;
 mod stl_mesh;
+mod trimmed_primitive;
 mod vtu;
 
 use std::path::Path;
@@ -38,6 +40,8 @@ use super::surface_file::{AnySurface, Saved};
 
 pub(crate) use cad::tensor;
 use mesh::SurfaceMesh;
+pub(crate) use step_primitives::write_primitives;
+pub(crate) use trimmed_primitive::trimmed_primitives;
 
 /// Every ending, for messages.
 const ENDINGS: &str = ".json, .step, .igs, .npz, .ply, .obj, .stl, .glb, .vtu or .parquet";

@@ -17,14 +17,14 @@ use super::cad_shell::{CadEdge, CadShell};
 
 /// Instances in the order of their numbers.
 #[derive(Default)]
-struct Data {
+pub(super) struct StepInstances {
     text: String,
     last: usize,
 }
 
-impl Data {
+impl StepInstances {
     /// Adds an instance and returns its reference.
-    fn add(&mut self, entity: &str) -> String {
+    pub(super) fn add(&mut self, entity: &str) -> String {
         self.last += 1;
         // writing to a string cannot fail
         let _ = writeln!(self.text, "#{}={entity};", self.last);
@@ -34,16 +34,20 @@ impl Data {
 
 /// The whole file, of one face.
 pub(super) fn write(patch: &CadPatch, title: &str) -> String {
-    whole(title, |data| vec![face(data, patch)])
+    whole(title, SPLINE, |data| vec![face(data, patch)])
 }
 
 /// The whole file, of several faces that share their edges.
 pub(super) fn write_shell(shell: &CadShell, title: &str) -> String {
-    whole(title, |data| faces(data, shell))
+    whole(title, SPLINE, |data| faces(data, shell))
 }
 
-fn whole(title: &str, faces: impl FnOnce(&mut Data) -> Vec<String>) -> String {
-    let mut data = Data::default();
+/// What a file of splines says that it is.
+const SPLINE: &str = "spline surface fitted to contacts";
+
+/// A file of an open shell of these faces.
+pub(super) fn whole(title: &str, what: &str, faces: impl FnOnce(&mut StepInstances) -> Vec<String>) -> String {
+    let mut data = StepInstances::default();
     let title = string(title);
     let (context, definition) = product(&mut data, &title);
     let faces = faces(&mut data);
@@ -57,7 +61,7 @@ fn whole(title: &str, faces: impl FnOnce(&mut Data) -> Vec<String>) -> String {
     data.add(&format!("SHAPE_DEFINITION_REPRESENTATION({definition},{shape})"));
     // no clock is read: the same surface gives the same file
     format!(
-        "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('spline surface fitted to contacts'),'2;1');\n\
+        "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION(('{what}'),'2;1');\n\
          FILE_NAME({title},'1970-01-01T00:00:00',(''),(''),'palpate {}','palpate','');\n\
          FILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 1 1 1 1 }}'));\nENDSEC;\nDATA;\n{}ENDSEC;\nEND-ISO-10303-21;\n",
         env!("CARGO_PKG_VERSION"),
@@ -66,7 +70,7 @@ fn whole(title: &str, faces: impl FnOnce(&mut Data) -> Vec<String>) -> String {
 }
 
 /// The product that the shape belongs to: the geometric context with its units, and the definition's shape.
-fn product(data: &mut Data, title: &str) -> (String, String) {
+fn product(data: &mut StepInstances, title: &str) -> (String, String) {
     let application = data.add("APPLICATION_CONTEXT('core data for automotive mechanical design processes')");
     data.add(&format!(
         "APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,{application})"
@@ -91,7 +95,7 @@ fn product(data: &mut Data, title: &str) -> (String, String) {
 }
 
 /// The faces of a shell: vertices and edges stand once for all faces that they belong to.
-fn faces(data: &mut Data, shell: &CadShell) -> Vec<String> {
+fn faces(data: &mut StepInstances, shell: &CadShell) -> Vec<String> {
     let vertices: Vec<String> = shell.vertices.iter().map(|at| vertex(data, *at)).collect();
     let edges: Vec<String> = shell.edges.iter().map(|edge| shared_edge(data, edge, &vertices)).collect();
     let face = |(patch, around): (&CadPatch, &Vec<(usize, bool)>)| {
@@ -109,19 +113,19 @@ fn faces(data: &mut Data, shell: &CadShell) -> Vec<String> {
     shell.faces.iter().zip(&shell.loops).map(face).collect()
 }
 
-fn vertex(data: &mut Data, at: [f64; 3]) -> String {
+pub(super) fn vertex(data: &mut StepInstances, at: [f64; 3]) -> String {
     let at = point(data, at);
     data.add(&format!("VERTEX_POINT('',{at})"))
 }
 
-fn shared_edge(data: &mut Data, edge: &CadEdge, vertices: &[String]) -> String {
+fn shared_edge(data: &mut StepInstances, edge: &CadEdge, vertices: &[String]) -> String {
     let points: Vec<String> = edge.points.iter().map(|at| point(data, *at)).collect();
     let curve = curve(data, ArrayView1::from(&points), edge.degree, &multiplicities(&edge.knots));
     let [from, to] = edge.ends.map(|end| &vertices[end]);
     data.add(&format!("EDGE_CURVE('',{from},{to},{curve},.T.)"))
 }
 
-fn surface(data: &mut Data, patch: &CadPatch, points: &Array2<String>) -> String {
+fn surface(data: &mut StepInstances, patch: &CadPatch, points: &Array2<String>) -> String {
     let [p, q] = patch.degree;
     let [u, v] = [0, 1].map(|k| multiplicities(&patch.knots[k]));
     let rows: Vec<String> = points.rows().into_iter().map(|row| list(row.iter())).collect();
@@ -135,13 +139,13 @@ fn surface(data: &mut Data, patch: &CadPatch, points: &Array2<String>) -> String
     ))
 }
 
-fn bounded(data: &mut Data, surface: &str, edges: &[String]) -> String {
+fn bounded(data: &mut StepInstances, surface: &str, edges: &[String]) -> String {
     let outline = data.add(&format!("EDGE_LOOP('',{})", list(edges.iter())));
     let bound = data.add(&format!("FACE_OUTER_BOUND('',{outline},.T.)"));
     data.add(&format!("ADVANCED_FACE('',({bound}),{surface},.T.)"))
 }
 
-fn face(data: &mut Data, patch: &CadPatch) -> String {
+fn face(data: &mut StepInstances, patch: &CadPatch) -> String {
     let points = patch.points.mapv(|p| point(data, p));
     let (n, m) = points.dim();
     let [p, q] = patch.degree;
@@ -168,12 +172,12 @@ fn face(data: &mut Data, patch: &CadPatch) -> String {
     bounded(data, &surface, &edges)
 }
 
-fn point(data: &mut Data, p: [f64; 3]) -> String {
+pub(super) fn point(data: &mut StepInstances, p: [f64; 3]) -> String {
     let [x, y, z] = p.map(real);
     data.add(&format!("CARTESIAN_POINT('',({x},{y},{z}))"))
 }
 
-fn curve(data: &mut Data, rim: ArrayView1<String>, degree: usize, knots: &(String, String)) -> String {
+fn curve(data: &mut StepInstances, rim: ArrayView1<String>, degree: usize, knots: &(String, String)) -> String {
     data.add(&format!(
         "B_SPLINE_CURVE_WITH_KNOTS('',{degree},{},.UNSPECIFIED.,.F.,.F.,{},{},.UNSPECIFIED.)",
         list(rim.iter()),
@@ -182,7 +186,7 @@ fn curve(data: &mut Data, rim: ArrayView1<String>, degree: usize, knots: &(Strin
     ))
 }
 
-fn list<'a>(items: impl Iterator<Item = &'a String>) -> String {
+pub(super) fn list<'a>(items: impl Iterator<Item = &'a String>) -> String {
     format!("({})", items.map(String::as_str).collect::<Vec<_>>().join(","))
 }
 
