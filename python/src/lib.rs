@@ -20,6 +20,7 @@ mod frontiers;
 mod inputs;
 mod live;
 mod options;
+mod plans;
 mod scenes;
 mod stream;
 mod studies;
@@ -45,6 +46,8 @@ mod _native {
     use super::inputs::{column_names, parts_of, read_contacts};
     #[pymodule_export]
     use super::live::LiveCore;
+    #[pymodule_export]
+    use super::plans::{PlanCore, plan_adaptive};
     #[pymodule_export]
     use super::scenes::{scene_contacts, scene_texts};
     #[pymodule_export]

@@ -28,11 +28,13 @@ from ._many import FitMany, fit_many, tiles
 from ._mesh import SurfaceMesh, surface_mesh
 from ._native import ParametricSurface, StreamShape, Surface, TouchStream, __version__
 from ._parts import Parts, parts
+from ._plan import AdaptivePlan, RepeatedHeights
 from ._regressor import SurfaceRegressor
 from ._shape import Certificate, Measure, Shape, Spread
 from ._study import Study, StudyMeasure, merge, scene, scenes, simulate, study
 
 __all__ = [
+    "AdaptivePlan",
     "Certificate",
     "Exploration",
     "ExploreError",
@@ -55,6 +57,7 @@ __all__ = [
     "Parts",
     "PlanError",
     "RecognitionError",
+    "RepeatedHeights",
     "Shape",
     "Spread",
     "StreamShape",

@@ -12,6 +12,7 @@ __all__ = [
     "FitCore",
     "LiveCore",
     "ParametricSurface",
+    "PlanCore",
     "StreamShape",
     "StudyPlan",
     "StudyRun",
@@ -35,6 +36,7 @@ __all__ = [
     "part_bounds",
     "part_run",
     "parts_of",
+    "plan_adaptive",
     "read_contacts",
     "run_of_roots",
     "run_slice",
@@ -292,6 +294,14 @@ def contact_tile(
     before_and_total: tuple[int, int],
 ) -> tuple[bytes, bytes]: ...
 def tile_answer(tile: bytes, question: bytes) -> _Array: ...
+
+@final
+class PlanCore:
+    def fit(self, z: npt.ArrayLike, zx: npt.ArrayLike | None, zy: npt.ArrayLike | None) -> tuple[Surface, float]: ...
+
+def plan_adaptive(
+    x: Any, y: Any, z: Any, slopes: Any, weights: list[Any], keywords: dict[str, Any] | None
+) -> tuple[FitCore, PlanCore]: ...
 
 @final
 class TiledFit:

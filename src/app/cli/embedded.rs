@@ -7,6 +7,7 @@
 //! arguments of `palpate frontier`                 -> palpate.frontier/1
 //! arguments of `palpate explore`                  -> palpate.explore/1, and the contacts
 //! arguments of `palpate live`, touches            -> LiveLoop -> palpate.live/1, touch by touch
+//! contacts, then heights        ->  FitAnswer, RepeatedPlaces -> splines
 //! parts of contacts             ->  runs -> tiles -> TiledFit -> FitAnswer
 //! two documents                                   -> palpate.diff/1
 //! ```
@@ -26,6 +27,7 @@ use palpate_studies::montecarlo::{Progress, Stopped, StudyState};
 pub use super::embedded_diff::diff;
 pub use super::embedded_fits::{AskedSurface, FitAnswer, FitRefusal, NamedArray, adaptive_spline_of, parts_of};
 pub use super::embedded_live::{LiveAnswer, LiveLoop, LiveReply, check_touch};
+pub use super::embedded_plan::RepeatedPlaces;
 pub use super::embedded_tiles::{
     AskTiles, PartRun, TileSides, TiledFit, contact_tile, merged_runs, part_bounds, part_run, run_of_roots, run_slice,
     tile_answer, tile_sides,

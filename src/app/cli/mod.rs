@@ -20,6 +20,7 @@ pub mod embedded;
 mod embedded_diff;
 mod embedded_fits;
 mod embedded_live;
+mod embedded_plan;
 mod embedded_tiles;
 mod examples;
 mod explain;

@@ -28,6 +28,17 @@ pub struct RepeatedHeights {
     pub field: HierarchicalField,
     /// Standard deviation of a height of weight 1, input units.
     pub height_noise: f64,
+    frame: Frame,
+}
+
+impl RepeatedHeights {
+    /// The surface in the input's own coordinates.
+    ///
+    /// # Errors
+    /// When the input's own rounding makes distinct knots equal.
+    pub fn input_field(&self) -> Result<HierarchicalField, HierarchyError> {
+        self.field.placed(self.frame.origin, self.frame.scale)
+    }
 }
 
 /// A hierarchy with its factor, for new heights at the same places.
@@ -86,7 +97,7 @@ impl AdaptivePlan {
         let left = self.weights.heights * squares + self.weights.slopes * slope_squares - gain;
         let variance = left.max(0.0) / (rows + 2.0 * slope_rows - self.smooth).max(1.0);
         let field = HierarchicalField::new(space.clone(), coefficients)?;
-        Ok(RepeatedHeights { field, height_noise: variance.sqrt() * scale })
+        Ok(RepeatedHeights { field, height_noise: variance.sqrt() * scale, frame: self.frame })
     }
 
     fn check(&self, heights: &[f64], slopes: Option<[&[f64]; 2]>) -> Result<(), HierarchyError> {
