@@ -82,6 +82,15 @@ pub fn reject(a: Vector, n: Vector) -> Vector {
     [0, 1, 2].map(|k| a[k] - component * n[k])
 }
 
+/// Two unit vectors that complete the unit vector `a` to right-handed axes.
+pub fn axes_along(a: Vector) -> [Vector; 3] {
+    let least = (0..3).fold(0, |least, k| if a[k].abs() < a[least].abs() { k } else { least });
+    let mut start = [0.0; 3];
+    start[least] = 1.0;
+    let e1 = unit(reject(start, a));
+    [e1, cross(a, e1), a]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

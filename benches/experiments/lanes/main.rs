@@ -1,6 +1,6 @@
 //! `lanes own|pulp SET STRIDE ROWS CALLS`: the Gram matrix of rows by palpate's lanes or by pulp's, its bits and its nanoseconds.
 //! `lanes faer`: the bits of a QR factor and of eigenvalues by faer, which takes the widest set of pulp that is compiled.
-#![allow(dead_code, unused_imports)]
+#![allow(dead_code, unused_imports, reason = "the folder of the lanes is taken in whole, and one kernel of it is asked")]
 
 mod gram_rows;
 #[path = "../../../src/numeric/simd/mod.rs"]

@@ -14,13 +14,13 @@ use super::mode::{Candidate, FalseContacts, MINORITY, is_possible};
 use super::sample::BodySample;
 use super::tuning::Tuning;
 use crate::primitives::descent;
-use crate::primitives::placed::{PartKind, Primitive, axes_along};
+use crate::primitives::placed::{PartKind, Primitive};
 use crate::primitives::starts::starts;
 use palpate_geometry::contact::Contacts;
 use palpate_numeric::draws::Lcg;
 use palpate_numeric::linalg::small::{Square, cholesky, eigen, solve};
 use palpate_numeric::statistics::median;
-use palpate_numeric::vector::{Vector, along, cross, dot};
+use palpate_numeric::vector::{Vector, along, axes_along, cross, dot};
 
 /// Whether contacts may be false in the starts that are nearest by each of the three ratings.
 const RATED: [FalseContacts; 3] = [FalseContacts::Some, FalseContacts::Some, FalseContacts::None];

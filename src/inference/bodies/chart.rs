@@ -11,12 +11,12 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::primitives::placed::{PartKind, Primitive, axes_along};
+use crate::primitives::placed::{PartKind, Primitive};
 use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::{curvedness, shape_index};
 use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::statistics::{Rank, quantile};
-use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm, unit_or_zero};
+use palpate_numeric::vector::{Vector, along, axes_along, cross, dot, minus, norm, unit_or_zero};
 
 use super::posterior::DrawnBase;
 use super::tuning::Tuning;

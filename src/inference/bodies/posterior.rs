@@ -16,10 +16,10 @@ use super::inference::BodyPosterior;
 use super::mode::is_possible;
 use super::tuning::Tuning;
 use crate::dense;
-use crate::primitives::placed::{Primitive, axes_along};
+use crate::primitives::placed::Primitive;
 use palpate_numeric::draws::{EffectDraws, evenly};
 use palpate_numeric::statistics::weighted_quantile;
-use palpate_numeric::vector::{Vector, along, dot, minus, unit};
+use palpate_numeric::vector::{Vector, along, axes_along, dot, minus, unit};
 
 /// Steps onto a surface: each squares what is left.
 const ONTO: usize = 4;

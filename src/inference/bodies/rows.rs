@@ -15,8 +15,8 @@ use super::mode::aligned;
 use super::sample::BodySample;
 use crate::dense;
 use crate::primitives::descent::rows;
-use crate::primitives::placed::{Primitive, axes_along};
-use palpate_numeric::vector::{Vector, along, dot};
+use crate::primitives::placed::Primitive;
+use palpate_numeric::vector::{Vector, along, axes_along, dot};
 
 /// Rows by the primitive's unknowns and the residual.
 pub(super) struct BaseRows {

@@ -9,9 +9,9 @@ use super::prior::log_prior;
 use super::sample::BodySample;
 use super::search::modes;
 use super::tuning::Tuning;
-use crate::primitives::placed::{PartKind, Primitive, axes_along};
+use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::draws::Lcg;
-use palpate_numeric::vector::{Vector, along, unit};
+use palpate_numeric::vector::{Vector, along, axes_along, unit};
 use statrs::function::gamma::ln_gamma;
 
 fn gaussian(generator: &mut Lcg) -> f64 {

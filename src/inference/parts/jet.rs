@@ -12,10 +12,9 @@
 //! differential quantities using polynomial fitting of osculating jets*, 2005, without normals and prior.
 
 use super::local::Noise;
-use crate::primitives::placed::axes_along;
 use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
-use palpate_numeric::vector::{Vector, dot, minus};
+use palpate_numeric::vector::{Vector, axes_along, dot, minus};
 
 /// Unknowns up to fourth order.
 const UNKNOWNS: usize = 15;

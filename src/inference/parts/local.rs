@@ -9,12 +9,11 @@
 //! Where an edge or a joint runs through the neighbourhood, the misfit is large: that is how regions know where not to begin.
 
 use super::cloud::Cloud;
-use crate::primitives::placed::axes_along;
 use palpate_geometry::curvature::{Derivatives, Principal};
 use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
 use palpate_numeric::statistics::{self, Rank};
 use palpate_numeric::threads;
-use palpate_numeric::vector::{dot, minus};
+use palpate_numeric::vector::{axes_along, dot, minus};
 
 /// Share of the points that is thought to lie away from every edge. A quarter of them may then be wrong, and the noise is
 /// still that of the smooth ones; with the median, two edges in a small cloud would raise it.

@@ -243,8 +243,8 @@ pub(crate) fn descend(start: &Primitive, sample: &Sample) -> Option<Descended> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::primitives::placed::{PartKind, axes_along};
-    use palpate_numeric::vector::{norm, unit};
+    use crate::primitives::placed::PartKind;
+    use palpate_numeric::vector::{axes_along, norm, unit};
 
     fn primitive(kind: PartKind) -> Primitive {
         let sizes = match kind {

@@ -85,15 +85,6 @@ pub(crate) struct Primitive {
     pub(crate) side: f64,
 }
 
-/// Two unit vectors that complete `a` to right-handed axes.
-pub(crate) fn axes_along(a: Vector) -> [Vector; 3] {
-    let least = (0..3).fold(0, |least, k| if a[k].abs() < a[least].abs() { k } else { least });
-    let mut start = [0.0; 3];
-    start[least] = 1.0;
-    let e1 = unit(reject(start, a));
-    [e1, cross(a, e1), a]
-}
-
 impl Primitive {
     /// The point in the primitive's own axes.
     pub(crate) fn own(&self, p: Vector) -> Vector {

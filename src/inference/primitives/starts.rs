@@ -11,9 +11,9 @@
 //! engineering*, Computing 60 (1998) 307. A start may be rough; the descent and the evidence decide.
 
 use super::descent::Sample;
-use super::placed::{PartKind, Primitive, axes_along};
+use super::placed::{PartKind, Primitive};
 use palpate_numeric::linalg::small::{Square, cholesky, eigen, solve};
-use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm, reject, unit_or_zero};
+use palpate_numeric::vector::{Vector, along, axes_along, cross, dot, minus, norm, reject, unit_or_zero};
 
 /// Every start that these points allow for one kind.
 pub(crate) fn starts(kind: PartKind, sample: &Sample) -> Vec<Primitive> {

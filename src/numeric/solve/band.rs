@@ -398,6 +398,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg(feature = "threads")]
     fn one_and_two_threads_give_the_same_bits() {
         let shape = TensorShape { basis: [67, 23], degree: [3, 3] };
         let a = matrix(shape);

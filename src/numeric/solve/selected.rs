@@ -295,6 +295,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg(feature = "threads")]
     fn one_and_two_threads_give_the_same_bits() {
         let shape = TensorShape { basis: [67, 23], degree: [3, 3] };
         let (a, b) = (matrix(shape, 30.0, 1.0), matrix(shape, 1.0, 0.37));

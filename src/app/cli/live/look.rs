@@ -23,7 +23,7 @@ use palpate_inference::recognition::{SequentialOptions, SequentialPosterior, Tou
 
 use super::next::{NextTouch, TouchReach, next_touch};
 
-/// Share of the growth after which a simple shape is looked at again, for an answer that touches do not move: it grows older with each.
+/// Share of that growth for an answer that touches do not move, and which grows older with each: 0.05 of the touches by default.
 const UNMOVED: f64 = 0.2;
 
 /// Two axes, and maps over them by their names.

@@ -14,15 +14,17 @@ use std::f64::consts::{PI, TAU};
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::convex_hull::convex_hull;
 use palpate_inference::parts::{Part, PartKind, Parts};
-use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm, unit};
+use palpate_numeric::vector::{Vector, along, axes_along, cross, dot, minus, norm, unit};
 
 /// Widest gap between the angles of contacts that are all round: a thing seen from one side has one of 180 degrees or more.
 const SEAM_GAP: f64 = PI / 3.0;
 
-/// Length of the mean direction below which a ball was touched on all sides.
+/// Length of the mean direction below which a ball was touched on all sides: that of an even cap is `(1 + cos a) / 2`, 0.2 at 127 degrees from
+/// its middle.
 const ALL_SIDES: f64 = 0.2;
 
-/// Height of a cap below the centre, as a share of the radius, from which on it is the whole ball.
+/// Height of a cap below the centre, as a share of the radius, from which on it is the whole ball: 162 degrees from its middle, where what is
+/// left is the stand or the grip that nobody touched.
 const NEARLY_WHOLE: f64 = 0.95;
 
 /// Least radius at an end of a cone, as a share of the largest: its tip has no direction.
@@ -39,9 +41,8 @@ pub(super) struct PlacedAxes {
 impl PlacedAxes {
     /// With any first axis across z.
     fn about(origin: Vector, z: Vector) -> PlacedAxes {
-        let z = unit(z);
-        let across = if z[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-        PlacedAxes { origin, x: unit(cross(z, across)), z }
+        let [x, _, z] = axes_along(unit(z));
+        PlacedAxes { origin, x, z }
     }
 
     /// A place in these axes.

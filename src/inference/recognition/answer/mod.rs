@@ -6,11 +6,10 @@
 //!
 //! `weights.rs` comes first: those of the estimate, and whether a displacement is shape. `interval_weights.rs` has those of the interval,
 //! and `normalised_weights.rs` what both are made of. `shape_means.rs` is what one surface shows, `posterior_samples.rs` what many show
-//! together, and `posterior.rs` draws them, `kept_draws.rs` keeps some of them; `coarse_grid.rs` has what lies between the drawn points of a fine map. `misfit.rs` looks for a
+//! together, and `posterior.rs` draws them, `kept_draws.rs` keeps some of them; `misfit.rs` looks for a
 //! pattern in the residuals. `inference.rs` holds all of it, `model_comparison.rs` lists the kinds that were compared, and `report.rs`
 //! puts all into the result.
 
-mod coarse_grid;
 mod inference;
 mod interval_weights;
 mod kept_draws;

@@ -7,14 +7,13 @@ use crate::recognition::contacts::Dropped;
 use crate::recognition::discrepancy::{ChartPoint, State};
 use crate::recognition::evidence::Node;
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::region::{DrawnLattice, DrawnShape, PatchSurface, PosteriorDraws, Region, places};
+use crate::recognition::region::{CoarseGrid, DrawnLattice, DrawnShape, PatchSurface, PosteriorDraws, Region, places};
 use crate::recognition::{
     Hypothesis, MapPoint, Misfit, NoiseFound, Recognition, RecognitionError, RecognitionOptions, Remark,
 };
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_geometry::shape::radius_of;
 
-use super::coarse_grid::CoarseGrid;
 use super::inference::Findings;
 use super::misfit::{self, misfit};
 use super::model_comparison::reported;

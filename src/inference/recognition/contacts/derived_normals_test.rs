@@ -15,9 +15,7 @@ use crate::recognition::kinds::Model;
 
 use palpate_geometry::neighbours::{NEAREST, Neighbours, plane_normal};
 use palpate_numeric::linalg::small::{cholesky, solve};
-use palpate_numeric::vector::{Vector, along, dot, minus, norm, reject, scaled};
-
-use crate::primitives::placed::axes_along;
+use palpate_numeric::vector::{Vector, along, axes_along, dot, minus, norm, reject, scaled};
 
 /// Contacts from which on the test is made. Fewer are touches, whose normals a sensor gave.
 const DENSE: usize = 200;

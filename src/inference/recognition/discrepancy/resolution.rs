@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The fine one is asked where a displaced surface is the likeliest, and taken where its evidence is ahead: it follows a wave of more than
-//! a length and the top of a bump, and costs twice the time. Taken at once it widens what simple shapes may be.
+//! a length and the top of a bump, and costs one more look of the search. Taken at once it widens what simple shapes may be.
 
 /// Segments of the splines and lengths of the processes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

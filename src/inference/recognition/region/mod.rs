@@ -6,8 +6,10 @@
 //! ```
 //!
 //! `surface.rs` comes first, then `support.rs`. `projected_grid.rs` finds the surface over given x and y, and `map.rs` chooses the points.
-//! `predictive.rs` says what touches at other places would measure, and `posterior_draws.rs` where the drawn surfaces lie.
+//! `predictive.rs` says what touches at other places would measure, and `posterior_draws.rs` where the drawn surfaces lie;
+//! `coarse_grid.rs` has what lies between the drawn points of a fine map.
 
+mod coarse_grid;
 mod map;
 mod posterior_draws;
 mod predictive;
@@ -16,6 +18,7 @@ mod recognised;
 mod support;
 mod surface;
 
+pub(crate) use coarse_grid::CoarseGrid;
 pub(crate) use map::Region;
 pub(crate) use posterior_draws::{DrawnLattice, DrawnOffset, DrawnShape, PosteriorDraws, normalise};
 pub use predictive::PredictiveDraw;

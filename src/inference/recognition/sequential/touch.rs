@@ -10,7 +10,7 @@
 //! part.
 
 use crate::recognition::Recognition;
-use palpate_numeric::vector::{Vector, cross, dot, minus, norm, unit};
+use palpate_numeric::vector::{Vector, axes_along, dot, minus, norm};
 
 use super::ensemble::{DrawnEnsemble, LinearReading};
 
@@ -71,9 +71,8 @@ impl MeasuredTouch {
         if let Some((normal, variance)) = normal.zip(errors.of_normal) {
             // where no side is known, neither way of a normal is wrong
             let towards = if dot(normal, reported) < 0.0 && !found.side_known { -1.0 } else { 1.0 };
-            let beside = if reported[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-            let first = unit(cross(reported, beside));
-            for [x, y, z] in [first, cross(reported, first)] {
+            let [first, second, _] = axes_along(reported);
+            for [x, y, z] in [first, second] {
                 readings.push(reading([0.0, x, y, z], towards * dot(normal, [x, y, z]), variance));
             }
         }

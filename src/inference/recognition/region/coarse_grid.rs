@@ -6,14 +6,14 @@
 //! ```
 
 /// Numbers of the chosen rows and columns of a map.
-pub(super) struct CoarseGrid {
+pub(crate) struct CoarseGrid {
     lines: [Vec<usize>; 2],
     columns: usize,
 }
 
 impl CoarseGrid {
     /// At most `most` rows and columns of a map of `n x m` points; all of them where it has no more.
-    pub(super) fn of([n, m]: [usize; 2], most: usize) -> CoarseGrid {
+    pub(crate) fn of([n, m]: [usize; 2], most: usize) -> CoarseGrid {
         let lines = |count: usize| {
             let kept = count.min(most);
             let steps = kept.saturating_sub(1).max(1);
@@ -23,13 +23,13 @@ impl CoarseGrid {
     }
 
     /// Numbers of the chosen points in the map, whose second direction runs fastest.
-    pub(super) fn numbers(&self) -> Vec<usize> {
+    pub(crate) fn numbers(&self) -> Vec<usize> {
         let [rows, columns] = &self.lines;
         rows.iter().flat_map(|i| columns.iter().map(move |j| i * self.columns + j)).collect()
     }
 
     /// Where the chosen rows and columns lie in the map, 0 to 1.
-    pub(super) fn shares(&self, [n, m]: [usize; 2]) -> [Vec<f64>; 2] {
+    pub(crate) fn shares(&self, [n, m]: [usize; 2]) -> [Vec<f64>; 2] {
         let [rows, columns] = &self.lines;
         [(rows, n), (columns, m)].map(|(lines, count)| {
             let steps = count.saturating_sub(1).max(1) as f64;
@@ -38,7 +38,7 @@ impl CoarseGrid {
     }
 
     /// Values at point `number` of the map, from those at the chosen points.
-    pub(super) fn between<const N: usize>(&self, chosen: &[[f64; N]], number: usize) -> [f64; N] {
+    pub(crate) fn between<const N: usize>(&self, chosen: &[[f64; N]], number: usize) -> [f64; N] {
         let [(i, s), (j, t)] = [(0, number / self.columns), (1, number % self.columns)].map(|(k, at)| self.cell(k, at));
         let width = self.lines[1].len();
         let at = |i: usize, j: usize| {
