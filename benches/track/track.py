@@ -11,7 +11,7 @@ Each commit is built in a tree of its own, and one JSON line is appended for it:
 a few commands beside its parent's, in turn. A commit that has a line on this machine already is left out. The page draws them all.
 
 `--halve` measures both ends, and of every stretch whose ends differ by more than noise the commit in the middle, until each change lies
-between two neighbours: of fifty commits that change little a handful is compiled. What lies between two that are alike is taken to be like
+between two neighbours: of fifty commits that change little a handful is compiled. A run that is ended goes on where it was. What lies between two that are alike is taken to be like
 them, so that a change that is taken back again in between stays unseen.
 
 `--counts FILE` appends a line of the counts alone that were printed for the commit that is checked out, as `.ci/run` does.
@@ -95,26 +95,35 @@ def track_halving(arguments):
     programs = {}
 
     def measured(commit):
+        programs[commit] = room / "programs" / commit
+        known = [line for line in read(arguments.file) if line["commit"] == commit and is_whole(line)]
+        if known and programs[commit].exists():
+            return known[0]
         own = measure.build(commit, room)
-        programs[commit] = own["program"]
         line = line_of(commit, own, None, arguments)
+        # a run that is ended goes on from here
+        append(arguments.file, line)
         measure.drop(own["tree"])
         print(commit[:9], line["subject"], flush=True)
         return line
 
     commits = measure.commits(arguments.commits, arguments.last)
     lines = halved(commits, measured, lambda a, b: seconds(programs[a], programs[b], arguments.pairs))
-    for line in lines:
-        append(arguments.file, line)
+    others = [line for line in read(arguments.file) if line["commit"] not in programs]
+    arguments.file.write_text("".join(json.dumps(line) + "\n" for line in [*others, *lines]))
     print(f"{len(lines)} of {len(commits)} commits measured")
+
+
+def is_whole(line):
+    """Whether a line is of this machine and more than counts, as the checks append them."""
+    return line["machine"] == machine() and "program_bytes" in line
 
 
 def track(arguments):
     room = measure.ROOT / "target" / "track"
     given = dict(word.split("=", 1) for word in arguments.built)
     given = {measure.said("git", "rev-parse", name).strip(): pathlib.Path(path) for name, path in given.items()}
-    # counts alone, as the checks append them, do not make a commit measured
-    done = {line["commit"]: line for line in read(arguments.file) if line["machine"] == machine() and "program_bytes" in line}
+    done = {line["commit"]: line for line in read(arguments.file) if is_whole(line)}
     programs = {}
 
     def built(commit):
