@@ -80,11 +80,19 @@ pub(crate) fn draw(family: &str, seed: u64) -> Drawn {
     seen(family, seed, None)
 }
 
-/// The same body in a pose, with a spacing and errors of `scan`'s own, and from one side; without a scan, in its own.
-pub(crate) fn seen(family: &str, seed: u64, scan: Option<u64>) -> Drawn {
-    use JointKind::{Concave, Convex, Smooth};
-    let number = FAMILIES.iter().position(|f| *f == family).expect("a family of the list") as u64;
-    let mut random = Random(seed.wrapping_mul(31).wrapping_add(number));
+/// A body without pose, spacing or errors.
+pub(crate) struct Form {
+    pub(crate) solids: Vec<Solid>,
+    /// In the order in which the simulation numbers them.
+    pub(crate) faces: Vec<Face>,
+    joints: Vec<(usize, usize, JointKind)>,
+    /// Where the sensor stands, in the body's own axes, if the family is seen from one side.
+    eye: Option<[f64; 3]>,
+}
+
+/// A body of the family with sizes of these draws.
+pub(crate) fn form(family: &str, random: &mut Random) -> Form {
+    use JointKind::{Convex, Smooth};
     let mut r = |lo: f64, hi: f64| random.between(lo, hi);
     let mut eye = None;
     let (parts, joints) = match family {
@@ -105,14 +113,9 @@ pub(crate) fn seen(family: &str, seed: u64, scan: Option<u64>) -> Drawn {
             let cone = moved(cone, [0.0, 0.0, 0.5 * (length + height)]);
             (vec![bar(radius, length), cone], vec![(0, 2, Convex), (0, 3, Convex), (3, 5, Convex)])
         }
-        "mug" => {
-            let (radius, length, wall, floor) = (r(8.0, 12.0), r(20.0, 26.0), r(2.5, 4.0), r(2.5, 4.0));
-            let bore = cut(moved(bar(radius - wall, length), [0.0, 0.0, floor]));
-            let (handle, tube) = ring(r(5.5, 8.0), r(1.5, 2.2));
-            let handle = handle.posed([90.0, 0.0, 0.0], [radius, 0.0, r(-2.0, 2.0)]);
-            let joints = vec![(0, 1, Convex), (0, 2, Convex), (1, 3, Convex), (3, 5, Concave), (0, 6, Concave)];
-            (vec![bar(radius, length), bore, (handle, tube)], joints)
-        }
+        "mug" => mug(&mut r),
+        "flange" => flange(&mut r),
+        "torus" => (vec![ring(r(8.0, 14.0), r(2.0, 5.0))], Vec::new()),
         _ => {
             let (radius, length, wall) = (r(6.0, 10.0), r(18.0, 26.0), r(2.5, 3.5));
             let bore = cut(bar(radius - wall, 2.0 * length));
@@ -121,8 +124,38 @@ pub(crate) fn seen(family: &str, seed: u64, scan: Option<u64>) -> Drawn {
             (vec![bar(radius, length), bore, groove], joints)
         }
     };
-    let (parts, faces): (Vec<Solid>, Vec<Vec<Face>>) = parts.into_iter().unzip();
-    let faces = faces.concat();
+    let (solids, faces): (Vec<Solid>, Vec<Vec<Face>>) = parts.into_iter().unzip();
+    Form { solids, faces: faces.concat(), joints, eye }
+}
+
+type Joined = (Vec<Faced>, Vec<(usize, usize, JointKind)>);
+
+fn mug(r: &mut impl FnMut(f64, f64) -> f64) -> Joined {
+    use JointKind::{Concave, Convex};
+    let (radius, length, wall, floor) = (r(8.0, 12.0), r(20.0, 26.0), r(2.5, 4.0), r(2.5, 4.0));
+    let bore = cut(moved(bar(radius - wall, length), [0.0, 0.0, floor]));
+    let (handle, tube) = ring(r(5.5, 8.0), r(1.5, 2.2));
+    let handle = handle.posed([90.0, 0.0, 0.0], [radius, 0.0, r(-2.0, 2.0)]);
+    let joints = vec![(0, 1, Convex), (0, 2, Convex), (1, 3, Convex), (3, 5, Concave), (0, 6, Concave)];
+    (vec![bar(radius, length), bore, (handle, tube)], joints)
+}
+
+/// A disc with a barrel on it, and a bore through both.
+fn flange(r: &mut impl FnMut(f64, f64) -> f64) -> Joined {
+    use JointKind::{Concave, Convex};
+    let (disc, thick, length) = (r(10.0, 14.0), r(2.5, 4.0), r(8.0, 14.0));
+    let barrel = r(0.45, 0.65) * disc;
+    let bore = cut(bar(r(0.5, 0.7) * barrel, 4.0 * (thick + length)));
+    let barrel = moved(bar(barrel, length), [0.0, 0.0, 0.5 * (thick + length)]);
+    let joints = vec![(0, 1, Convex), (0, 2, Convex), (1, 3, Concave), (3, 4, Convex), (2, 6, Convex), (4, 6, Convex)];
+    (vec![bar(disc, thick), barrel, bore], joints)
+}
+
+/// The same body in a pose, with a spacing and errors of `scan`'s own, and from one side; without a scan, in its own.
+pub(crate) fn seen(family: &str, seed: u64, scan: Option<u64>) -> Drawn {
+    let number = FAMILIES.iter().position(|f| *f == family).expect("a family of the list") as u64;
+    let mut random = Random(seed.wrapping_mul(31).wrapping_add(number));
+    let Form { solids, faces, joints, mut eye } = form(family, &mut random);
     if let Some(scan) = scan {
         random = Random(seed.wrapping_mul(977).wrapping_add(scan));
         let direction = unit([0, 1, 2].map(|_| random.between(-1.0, 1.0)));
@@ -131,7 +164,7 @@ pub(crate) fn seen(family: &str, seed: u64, scan: Option<u64>) -> Drawn {
     let mut r = |lo: f64, hi: f64| random.between(lo, hi);
     let rotation = [r(-180.0, 180.0), r(-80.0, 80.0), r(-180.0, 180.0)];
     let offset = [r(-50.0, 50.0), r(-50.0, 50.0), r(-50.0, 50.0)];
-    let surface = Surface::solids(parts).posed(0.0, rotation, offset);
+    let surface = Surface::solids(solids).posed(0.0, rotation, offset);
     let eye = eye.map(|eye| world_of(rotation, offset, eye));
     let sigma = r(0.01, 0.04);
     let world = World::new(surface, Sweep::scan(r(0.5, 0.7), eye))

@@ -2,13 +2,18 @@
 //!
 //!     cargo bench --bench parts [-- SEEDS [FIRST]]
 //!     cargo bench --bench parts -- free [SEEDS [FIRST]]       regions that no primitive explains
+//!     cargo bench --bench parts -- confusion [BODIES [FIRST]] [level=0.1] [most=6000] faces found, lost, of a wrong kind, and invented
+//!     cargo bench --bench parts -- intervals [BODIES [FIRST]] how often intervals of sizes and axes hold
 //!     cargo bench --bench parts -- objects [SEEDS [FIRST]]    which of 20 known objects a scan from one side is
 //!
 //! Seeds from 1,000,001 on were not looked at before the recorded run (`benches/runs/parts.md`).
 
 mod bodies;
+mod confusion;
 mod free;
+mod intervals;
 mod objects;
+mod scanned;
 
 use std::collections::BTreeMap;
 
@@ -45,6 +50,13 @@ fn main() {
     let (seeds, first) = (numbers.first().copied().unwrap_or(20), numbers.get(1).copied().unwrap_or(UNSEEN));
     if std::env::args().any(|word| word == "free") {
         return free::print(seeds, first);
+    }
+    if std::env::args().any(|word| word == "confusion") {
+        let named = |name: &str| std::env::args().find_map(|word| word.strip_prefix(name).and_then(|v| v.parse().ok()));
+        return confusion::print(numbers.first().copied().unwrap_or(200), first, named("level="), named("most="));
+    }
+    if std::env::args().any(|word| word == "intervals") {
+        return intervals::print(numbers.first().copied().unwrap_or(100), first);
     }
     if std::env::args().any(|word| word == "objects") {
         return objects::print(first);
