@@ -40,6 +40,10 @@ pub enum PalpateKind {
     Cone = 8,
     /// The height field that was named.
     HeightField = 9,
+    /// Any curve turned about an axis.
+    Revolution = 10,
+    /// Any curve drawn along a line.
+    Extrusion = 11,
 }
 
 /// A number with its uncertainty.
@@ -135,6 +139,8 @@ pub(crate) fn kind_of(hypothesis: Hypothesis) -> PalpateKind {
         Hypothesis::Quadric => PalpateKind::Quadric,
         Hypothesis::Torus => PalpateKind::Torus,
         Hypothesis::Cone => PalpateKind::Cone,
+        Hypothesis::Revolution => PalpateKind::Revolution,
+        Hypothesis::Extrusion => PalpateKind::Extrusion,
     }
 }
 
@@ -167,7 +173,7 @@ pub extern "C" fn palpate_class_name(class_: i32) -> *const c_char {
 /// A `PalpateKind` in words, as in every other output.
 #[unsafe(no_mangle)]
 pub extern "C" fn palpate_kind_name(kind: i32) -> *const c_char {
-    const NAMES: [&CStr; 10] = [
+    const NAMES: [&CStr; 12] = [
         c"plane",
         c"sphere",
         c"cylinder",
@@ -178,6 +184,8 @@ pub extern "C" fn palpate_kind_name(kind: i32) -> *const c_char {
         c"torus",
         c"cone",
         c"height field",
+        c"surface of revolution",
+        c"extrusion",
     ];
     named_in(&NAMES, kind)
 }

@@ -56,6 +56,10 @@ typedef enum PalpateKind {
   PALPATE_KIND_CONE = 8,
   // The height field that was named.
   PALPATE_KIND_HEIGHT_FIELD = 9,
+  // Any curve turned about an axis.
+  PALPATE_KIND_REVOLUTION = 10,
+  // Any curve drawn along a line.
+  PALPATE_KIND_EXTRUSION = 11,
 } PalpateKind;
 
 // Contacts: places, each with or without the outward normal there.

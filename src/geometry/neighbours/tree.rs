@@ -148,6 +148,11 @@ impl<'a> Neighbours<'a> {
         found.sorted()
     }
 
+    /// A point by its number.
+    pub fn point(&self, number: u32) -> Vector {
+        self.points[number as usize]
+    }
+
     /// Distance from point `number` to the nearest other point, and that point.
     pub fn nearest_other(&self, number: usize) -> Option<(f64, usize)> {
         let found = self.nearest(self.points[number], 2);

@@ -148,7 +148,7 @@ fn rated<const N: usize>(
 }
 
 /// The contacts with given normals, or with those of planes through neighbours; `None` where there are too few for either.
-fn with_normals(sample: &BodySample, tuning: &Tuning) -> Option<BodySample> {
+pub(super) fn with_normals(sample: &BodySample, tuning: &Tuning) -> Option<BodySample> {
     if sample.known_normals() > 0 {
         let known: Vec<usize> = (0..sample.len()).filter(|i| sample.normal(*i).is_some()).collect();
         return Some(sample.only(&known));
@@ -161,7 +161,7 @@ fn with_normals(sample: &BodySample, tuning: &Tuning) -> Option<BodySample> {
     Some(BodySample { normals, ..sample.clone() })
 }
 
-fn closed_forms(kind: PartKind, sample: &BodySample) -> Vec<Primitive> {
+pub(super) fn closed_forms(kind: PartKind, sample: &BodySample) -> Vec<Primitive> {
     let given = descent::Sample { points: &sample.points, normals: &sample.normals, u_distance: 1.0, u_normal: 1.0 };
     starts(kind, &given).into_iter().map(outside).collect()
 }
@@ -321,7 +321,7 @@ fn sphere(points: &[Vector]) -> Option<(Vector, f64)> {
 }
 
 /// Centre and radius of the circle through the contacts as they look along an axis.
-fn circle(sample: &BodySample, axis: Vector) -> Option<(Vector, f64)> {
+pub(super) fn circle(sample: &BodySample, axis: Vector) -> Option<(Vector, f64)> {
     let [e1, e2, _] = axes_along(axis);
     let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
     for p in &sample.points {

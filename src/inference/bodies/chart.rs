@@ -14,12 +14,15 @@ use std::sync::Arc;
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::{curvedness, shape_index};
-use palpate_geometry::neighbours::Neighbours;
+use palpate_geometry::neighbours::{Neighbours, mean_of};
 use palpate_numeric::statistics::{Rank, quantile};
 use palpate_numeric::vector::{Vector, along, axes_along, cross, dot, minus, norm, unit_or_zero};
 
 use super::posterior::DrawnBase;
 use super::tuning::Tuning;
+
+/// Contacts by which a place is surrounded.
+const BESIDE: usize = 8;
 
 /// Latitudes beyond which meridians are too near to each other for a chart.
 const POLAR: f64 = 1.48;
@@ -39,12 +42,15 @@ pub(crate) struct BodyChart {
     /// Units of the contacts' size about their middle, with the input's axes.
     pub(crate) frame: Frame,
     primitive: Primitive,
+    /// Angle of a torus's tube from which v is counted: the middle of what was touched.
+    tube_from: f64,
     /// The likeliest surface: the primitive, with its departure where that is shape.
     surface: DrawnBase,
     /// Draws of the posterior, for the uncertainty point by point.
     pub(crate) draws: Arc<Vec<DrawnBase>>,
     contacts: Arc<Neighbours<'static>>,
     reach: f64,
+    surrounded: f64,
     pub(crate) u: [f64; 2],
     pub(crate) v: [f64; 2],
 }
@@ -58,35 +64,27 @@ impl BodyChart {
         draws: Vec<DrawnBase>,
         tuning: &Tuning,
     ) -> BodyChart {
-        let mut primitive = likeliest.primitive;
-        if primitive.kind == PartKind::Sphere {
-            primitive.axes = axes_along(pole(&primitive, contacts));
-        }
-        let seams = angles(&primitive, contacts);
-        let axes = primitive.axes;
-        // the axes of an ellipsoid are its own
-        if !matches!(primitive.kind, PartKind::Plane | PartKind::Ellipsoid) {
-            let (sin, cos) = middle(&seams[0]).sin_cos();
-            let first = along(axes[0].map(|e| e * cos), sin, axes[1]);
-            primitive.axes = [first, cross(axes[2], first), axes[2]];
-        }
-        let feet: Vec<Vector> = contacts
-            .iter()
-            .map(|p| {
-                let (d, normal) = primitive.nearest(*p);
-                along(*p, -d, normal)
-            })
-            .collect();
+        let primitive = with_seam(likeliest.primitive, contacts);
+        let foot = |p: &Vector| {
+            let (d, normal) = primitive.nearest(*p);
+            along(*p, -d, normal)
+        };
+        // of departures as large as the body the base's feet tell no distance between contacts
+        let is_level_set = likeliest.is_level_set();
+        let feet: Vec<Vector> = contacts.iter().map(|p| if is_level_set { *p } else { foot(p) }).collect();
         let tree = Neighbours::new(&feet).into_owned();
         let beside: Vec<f64> = (0..feet.len()).filter_map(|i| tree.nearest_other(i)).map(|(d, _)| d).collect();
-        let reach = tuning.supported * quantile(beside, 0.9, Rank::NearestStep).unwrap_or(f64::INFINITY);
+        let reach = tuning.supported[usize::from(is_level_set)]
+            * quantile(beside, 0.9, Rank::NearestStep).unwrap_or(f64::INFINITY);
         let mut chart = BodyChart {
             frame,
             primitive,
-            surface: likeliest.with_primitive(primitive),
+            tube_from: middle(&tube_angles(&primitive, contacts)),
+            surface: likeliest,
             draws: Arc::new(draws),
             contacts: Arc::new(tree),
             reach,
+            surrounded: tuning.surrounded,
             u: [0.0; 2],
             v: [0.0; 2],
         };
@@ -146,7 +144,10 @@ impl BodyChart {
                 let (sin, cos) = self.primitive.sizes[1].sin_cos();
                 [lu * angle, (rho - self.primitive.sizes[0]) * sin + q[2] * cos]
             }
-            PartKind::Torus => [lu * angle, lv * q[2].atan2(rho - self.primitive.sizes[0])],
+            PartKind::Torus => {
+                let from = q[2].atan2(rho - self.primitive.sizes[0]) - self.tube_from;
+                [lu * angle, lv * (from - 2.0 * PI * (from / (2.0 * PI)).round())]
+            }
             PartKind::Ellipsoid => {
                 let (d, normal) = self.primitive.distance(q);
                 let x = [0, 1, 2].map(|k| (q[k] - d * normal[k]) / self.primitive.sizes[k]);
@@ -174,7 +175,7 @@ impl BodyChart {
                 round(one + v * sin, u / lu, v * cos)
             }
             PartKind::Torus => {
-                let (sin, cos) = (v / lv).sin_cos();
+                let (sin, cos) = (v / lv + self.tube_from).sin_cos();
                 round(one + two * cos, u / lu, two * sin)
             }
             PartKind::Ellipsoid => {
@@ -196,8 +197,27 @@ impl BodyChart {
     }
 
     pub(crate) fn supported_at(&self, u: f64, v: f64) -> bool {
-        let near = self.contacts.nearest(self.place([u, v]), 1);
-        near.first().is_some_and(|(distance, _)| *distance <= self.reach)
+        let place = self.place([u, v]);
+        let is_near = |place: Vector, reach: f64| {
+            self.contacts.nearest(place, 1).first().is_some_and(|(square, _)| *square <= reach * reach)
+        };
+        if !self.surface.is_level_set() {
+            return is_near(place, self.reach);
+        }
+        let (place, _) = self.surface.over(place);
+        is_near(place, self.reach) && self.is_surrounded(place)
+    }
+
+    /// Whether contacts lie on all sides: beyond the last of them, and on the rim itself, a free surface may bend in any way.
+    ///
+    /// ```text
+    /// |mean of (c - p)| <= most sqrt(mean |c - p|^2)       c: contacts next to p; about 0.35 among random ones, 0.6 on a rim
+    /// ```
+    fn is_surrounded(&self, place: Vector) -> bool {
+        let beside = self.contacts.nearest(place, BESIDE);
+        let offsets: Vec<Vector> = beside.iter().map(|(_, i)| minus(self.contacts.point(*i), place)).collect();
+        let square = offsets.iter().map(|o| dot(*o, *o)).sum::<f64>() / offsets.len().max(1) as f64;
+        norm(mean_of(&offsets)) <= self.surrounded * square.sqrt()
     }
 
     pub(crate) fn chart_of(&self, place: Vector) -> [f64; 2] {
@@ -217,7 +237,9 @@ impl BodyChart {
     pub(crate) fn readings_at(&self, place: Vector) -> Vec<[f64; 6]> {
         let local = self.frame.to_patch(place);
         let (d, normal) = self.primitive.nearest(local);
-        let foot = along(local, -d, normal);
+        // where departures are as large as the body its foot lies elsewhere
+        let foot = if self.surface.is_level_set() { local } else { along(local, -d, normal) };
+        let normal = if self.surface.is_level_set() { self.surface.over(local).1 } else { normal };
         let of = |drawn: &DrawnBase| {
             let reading = drawn.reading(foot);
             let [k1, k2] = reading.curvatures;
@@ -291,6 +313,20 @@ impl BodyChart {
     }
 }
 
+/// The same in axes whose seam lies in the widest gap between contacts.
+fn with_seam(mut primitive: Primitive, contacts: &[Vector]) -> Primitive {
+    if primitive.kind == PartKind::Sphere {
+        primitive.axes = axes_along(pole(&primitive, contacts));
+    }
+    // the axes of an ellipsoid are its own
+    if !matches!(primitive.kind, PartKind::Plane | PartKind::Ellipsoid) {
+        let (axes, (sin, cos)) = (primitive.axes, middle(&angles(&primitive, contacts)).sin_cos());
+        let first = along(axes[0].map(|e| e * cos), sin, axes[1]);
+        primitive.axes = [first, cross(axes[2], first), axes[2]];
+    }
+    primitive
+}
+
 /// The poles of a ball's chart lie where it was touched least: across the contacts' mean direction, and of all ways across it where they
 /// reach least.
 fn pole(ball: &Primitive, contacts: &[Vector]) -> Vector {
@@ -304,9 +340,15 @@ fn pole(ball: &Primitive, contacts: &[Vector]) -> Vector {
     if norm(mean) > 0.2 { found.unwrap_or(e1) } else { middle }
 }
 
-/// Angles of the contacts round the axis, and round the tube of a torus.
-fn angles(primitive: &Primitive, contacts: &[Vector]) -> [Vec<f64>; 1] {
-    [contacts.iter().map(|p| primitive.own(*p)).map(|q| q[1].atan2(q[0])).collect()]
+/// Angles of the contacts round the axis.
+fn angles(primitive: &Primitive, contacts: &[Vector]) -> Vec<f64> {
+    contacts.iter().map(|p| primitive.own(*p)).map(|q| q[1].atan2(q[0])).collect()
+}
+
+/// Angles round the tube of a torus; none of another kind.
+fn tube_angles(primitive: &Primitive, contacts: &[Vector]) -> Vec<f64> {
+    let own = contacts.iter().filter(|_| primitive.kind == PartKind::Torus).map(|p| primitive.own(*p));
+    own.map(|q| q[2].atan2(q[0].hypot(q[1]) - primitive.sizes[0])).collect()
 }
 
 /// The angle opposite to the middle of the widest gap.

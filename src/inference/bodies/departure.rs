@@ -10,129 +10,93 @@
 //! the base. In space it holds for departures as large as the body, where errors are small beside l. The places c are chosen farthest from each other among the contacts (T. Gonzalez, *Theor. Comput. Sci.* 38 (1985) 293), at least half a
 //! length apart. C. Rasmussen and C. Williams, *Gaussian Processes for Machine Learning*, section 8.3.2.
 
-use faer::{Mat, MatMut};
+use faer::MatMut;
 
-use crate::dense;
-use palpate_numeric::vector::{Vector, along, dot, minus};
+use super::coordinates::{DepartureJet, DepartureOver};
+use super::kernel_layer::KernelLayer;
+use crate::primitives::placed::Primitive;
+use palpate_numeric::vector::Vector;
 
-/// Places nearer than this many lengths tell nothing that their neighbour does not.
-const APART: f64 = 0.7;
-
-/// Added to the variance of every place, so that the factor exists.
-const JITTER: f64 = 1e-8;
-
-/// What a departure is a function of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum DepartureOver {
-    /// The foot of a place on the base.
-    Feet,
-    /// The place itself.
-    Space,
-}
-
-/// A process of one length.
+/// A process of one length; where it is as large as the body, with a broad one besides, which follows what the base cannot.
 #[derive(Debug)]
 pub(super) struct DepartureProcess {
     pub(super) over: DepartureOver,
-    places: Vec<Vector>,
-    lower: Mat<f64>,
-    length: f64,
+    own: KernelLayer,
+    broad: Option<KernelLayer>,
 }
 
 impl DepartureProcess {
-    pub(super) fn new(feet: &[Vector], over: DepartureOver, length: f64, most: usize) -> Option<DepartureProcess> {
-        let places = spread(feet, APART * length, most);
-        let count = places.len();
-        let kernel = Mat::from_fn(count, count, |i, j| {
-            correlation(minus(places[i], places[j]), length) + if i == j { JITTER } else { 0.0 }
-        });
-        Some(DepartureProcess { over, lower: dense::cholesky(&kernel)?, places, length })
+    pub(super) fn new(at: &[Vector], over: DepartureOver, length: f64, most: usize) -> Option<DepartureProcess> {
+        Some(DepartureProcess { over, own: KernelLayer::new(at, over, length, most)?, broad: None })
+    }
+
+    /// The same with a broad one besides.
+    pub(super) fn beside_broad(self, at: &[Vector], length: f64, most: usize) -> Option<DepartureProcess> {
+        Some(DepartureProcess { broad: Some(KernelLayer::new(at, self.over, length, most)?), ..self })
     }
 
     pub(super) fn len(&self) -> usize {
-        self.places.len()
+        self.layers().map(KernelLayer::len).sum()
+    }
+
+    /// Places that carry the process without the broad one.
+    pub(super) fn own_len(&self) -> usize {
+        self.own.len()
+    }
+
+    fn layers(&self) -> impl Iterator<Item = &KernelLayer> {
+        std::iter::once(&self.own).chain(&self.broad)
     }
 
     /// `k(q, c)` at a place for all carriers c.
     pub(super) fn values(&self, q: Vector) -> impl Iterator<Item = f64> + '_ {
-        self.places.iter().map(move |c| correlation(minus(q, *c), self.length))
+        self.layers().flat_map(move |layer| layer.values(q))
     }
 
     /// Derivatives of `k(q, c)` along two directions.
     pub(super) fn slopes(&self, q: Vector, directions: [Vector; 2]) -> impl Iterator<Item = [f64; 2]> + '_ {
-        let square = self.length * self.length;
-        self.places.iter().map(move |c| {
-            let from = minus(q, *c);
-            let value = correlation(from, self.length) / square;
-            directions.map(|direction| -dot(from, direction) * value)
-        })
+        self.layers().flat_map(move |layer| layer.slopes(q, directions))
     }
 
     /// Rows of `k` made rows of `phi = k L^-T`, in place.
-    pub(super) fn whiten(&self, rows: MatMut<'_, f64>) {
-        dense::whiten(&self.lower, rows.transpose_mut());
+    pub(super) fn whiten(&self, mut rows: MatMut<'_, f64>) {
+        let mut first = 0;
+        for layer in self.layers() {
+            layer.whiten(rows.as_mut().subcols_mut(first, layer.len()));
+            first += layer.len();
+        }
     }
 
     /// `L^-T w`: the departure is `k(q, c)` times it.
     pub(super) fn coefficients(&self, weights: &[f64]) -> Vec<f64> {
         let mut of_places = weights.to_vec();
-        dense::backward(&self.lower, &mut of_places);
+        let (own, broad) = of_places.split_at_mut(self.own.len());
+        self.own.carry(own);
+        if let Some(layer) = &self.broad {
+            layer.carry(broad);
+        }
         of_places
     }
 
-    /// The departure of such coefficients at a place, its gradient and its Hessian.
-    pub(super) fn jet(&self, coefficients: &[f64], p: Vector) -> DepartureJet {
-        let over = 1.0 / (self.length * self.length);
+    /// The departure of such coefficients at a place of the cloud, its gradient and its Hessian.
+    pub(super) fn jet_at(&self, coefficients: &[f64], base: &Primitive, place: Vector, foot: Vector) -> DepartureJet {
+        let jet = self.jet(coefficients, self.over.coordinates(base, place, foot));
+        match self.over {
+            DepartureOver::Feet | DepartureOver::Space => jet,
+            DepartureOver::Turned => jet.turned(base.own(place)).out_of(base),
+            DepartureOver::Extruded => jet.extruded().out_of(base),
+        }
+    }
+
+    /// The same in the coordinates that it is a function of.
+    fn jet(&self, coefficients: &[f64], q: Vector) -> DepartureJet {
         let mut jet = DepartureJet { value: 0.0, gradient: [0.0; 3], hessian: [[0.0; 3]; 3] };
-        for (c, weight) in self.places.iter().zip(coefficients) {
-            let from = minus(p, *c).map(|v| v * over);
-            let value = weight * (-0.5 * dot(from, from) / over).exp();
-            jet.value += value;
-            for i in 0..3 {
-                jet.gradient[i] -= value * from[i];
-                (0..=i).for_each(|j| jet.hessian[i][j] += value * from[i] * from[j]);
-                jet.hessian[i][i] -= value * over;
-            }
+        let (own, broad) = coefficients.split_at(self.own.len());
+        self.own.add(own, q, &mut jet);
+        if let Some(layer) = &self.broad {
+            layer.add(broad, q, &mut jet);
         }
         (0..3).for_each(|i| (0..i).for_each(|j| jet.hessian[j][i] = jet.hessian[i][j]));
         jet
     }
-}
-
-/// A departure at one place.
-pub(super) struct DepartureJet {
-    pub(super) value: f64,
-    pub(super) gradient: Vector,
-    pub(super) hessian: [Vector; 3],
-}
-
-impl DepartureJet {
-    /// Derivatives along the surface across a normal alone.
-    pub(super) fn across(self, normal: Vector) -> DepartureJet {
-        let level = |v: Vector| along(v, -dot(v, normal), normal);
-        let rows = self.hessian.map(level);
-        let columns = [0, 1, 2].map(|j| level([rows[0][j], rows[1][j], rows[2][j]]));
-        let hessian = [0, 1, 2].map(|i| [columns[0][i], columns[1][i], columns[2][i]]);
-        DepartureJet { gradient: level(self.gradient), hessian, ..self }
-    }
-}
-
-fn correlation(between: Vector, length: f64) -> f64 {
-    (-0.5 * dot(between, between) / (length * length)).exp()
-}
-
-/// Places far from each other, at least `apart`.
-fn spread(feet: &[Vector], apart: f64, most: usize) -> Vec<Vector> {
-    let Some(first) = feet.first() else { return Vec::new() };
-    let mut places = vec![*first];
-    let square = |a: &Vector, b: &Vector| dot(minus(*a, *b), minus(*a, *b));
-    let mut distance: Vec<f64> = feet.iter().map(|q| square(q, first)).collect();
-    while places.len() < most {
-        let farthest = (0..feet.len()).max_by(|a, b| distance[*a].total_cmp(&distance[*b]).then(b.cmp(a)));
-        let Some(next) = farthest.filter(|i| distance[*i] > apart * apart) else { break };
-        let place = feet[next];
-        places.push(place);
-        distance.iter_mut().zip(feet).for_each(|(d, q)| *d = d.min(square(q, &place)));
-    }
-    places
 }

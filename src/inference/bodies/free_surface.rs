@@ -1,89 +1,189 @@
-//! A body of no simple kind: a process in space about the primitive that is next to it.
+//! A body of no simple kind: a process in space about a primitive that is near it, or about an axis.
 //!
 //! ```text
-//! F(p) = d(p) - f(p),   f of all lengths and sizes by their evidence           `departure`
-//! an answer where contacts left out lie nearer to it than f_s times their distance from the primitive
+//! F(p) = d(p) - f(q) = 0      q = p           any surface
+//!                             q = (rho, h)    a body of revolution: turned on a lathe or a wheel
+//!                             q = (x, y)      a body that is the same all along a line: an extrusion
+//! every form    rated about its base, the likeliest of each symmetry followed to its mode by steps of Gauss's and Newton's
+//! an answer     where contacts left out lie as near as its scatter says, and far nearer than to the primitive
 //! ```
 //!
 //! That is a gaussian-process implicit surface whose mean is a primitive: O. Williams and A. Fitzgibbon, *Gaussian Process Implicit
-//! Surfaces*, 2007. A departure of it is shape, never a sensor's error.
+//! Surfaces*, 2007. A symmetry costs nothing and is told by the evidence: f then has fewer places to go. A departure of it is shape,
+//! never a sensor's error.
 
-use super::evidence::{BodyHypothesis, LinearisedBase, moved};
-use super::inference::{BodyPosterior, normalised};
-use super::mode::{Mode, next_to_all};
+use super::body_hypothesis::BodyHypothesis;
+use super::body_posterior::{BodyPosterior, normalised};
+use super::coordinates::DepartureOver;
+use super::evidence::LinearisedBase;
+use super::mode::{FalseContacts, Mode};
 use super::posterior::DrawnBase;
 use super::sample::BodySample;
 use super::search::modes;
+use super::symmetry::{FreeBody, symmetric_forms};
 use super::tuning::Tuning;
-use crate::primitives::placed::PartKind;
-use palpate_geometry::neighbours::mean_of;
-use palpate_numeric::vector::{Vector, norm};
+use palpate_numeric::statistics::{Rank, mad, quantile};
+use palpate_numeric::vector::Vector;
 
 /// One contact of so many is left out.
 const LEFT_OUT: usize = 5;
 
-/// From what a free surface may depart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum FreeBase {
-    /// From a ball or an ellipsoid that contacts go all round.
-    Closed,
-    /// From these, or else from whatever primitive is next to the contacts.
-    Any,
+/// A surface as far as it is known, and the contacts that are its own.
+#[derive(Clone)]
+struct FreeMode {
+    surface: DrawnBase,
+    over: DepartureOver,
+    /// Weights of the contacts, 0 or 1, and rough scales.
+    mode: Mode,
+    best: BodyHypothesis,
 }
 
 /// The posterior of a free surface; `None` where contacts are too few, or do not tell each other's place.
-pub(crate) fn free_surface(all: &BodySample, from: FreeBase, tuning: &Tuning) -> Option<BodyPosterior> {
+pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPosterior> {
     let sample = &all.at_most(tuning.free_contacts);
     if sample.len() < tuning.free_from[usize::from(sample.known_normals() == 0)] {
         return None;
     }
-    let base = base_of(sample, from, tuning)?;
-    let linearised = about(&base, sample, &tuning.free_lengths, tuning);
-    let nodes: Vec<BodyHypothesis> = linearised.departed_nodes(0, &tuning.free_sizes, 0.0, tuning).collect();
-    let best = nodes.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
-    if !predicts(&base, best, sample, tuning) {
+    let few = sample.at_most(tuning.searched);
+    let found = modes(&few, tuning);
+    let likeliest = likeliest_modes(forms(sample, &found, tuning), sample, tuning);
+    let best = likeliest.iter().max_by(|a, b| a.best.log_evidence.total_cmp(&b.best.log_evidence))?;
+    if !predicts(best, sample, tuning) {
         return None;
     }
+    let (mut nodes, mut primitives, mut members) = (Vec::new(), Vec::new(), Vec::new());
+    for found in &likeliest {
+        let linearised = found.linearised(sample, &tuning.free_lengths, tuning);
+        let own = linearised.departed_nodes_near(primitives.len(), &tuning.free_sizes, tuning);
+        nodes.extend(own);
+        primitives.push(linearised.primitive);
+        members.push(found.belonging(all, tuning));
+    }
     let (nodes, weights, log_evidence) = normalised(nodes, tuning)?;
-    let (primitives, members) = (vec![linearised.primitive], vec![(0..all.len()).collect()]);
     Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: true })
 }
 
-/// What closes is nearer to a ball or an ellipsoid than to others.
-fn base_of(sample: &BodySample, from: FreeBase, tuning: &Tuning) -> Option<Mode> {
-    let few = sample.at_most(tuning.searched);
-    let found = modes(&few, tuning);
-    let goes_all_round = |base: &&Mode| {
-        let normals: Vec<Vector> = few.points.iter().map(|p| base.primitive.nearest(*p).1).collect();
-        norm(mean_of(&normals)) < tuning.all_round
+/// Every form that is tried.
+fn forms(sample: &BodySample, found: &[Mode], tuning: &Tuning) -> Vec<FreeBody> {
+    let in_space = |mode: &Mode| FreeBody { base: mode.primitive, over: DepartureOver::Space };
+    let whole = found.iter().filter(|mode| mode.strays == FalseContacts::None);
+    whole.map(in_space).chain(symmetric_forms(sample, found, tuning)).collect()
+}
+
+/// The likeliest form of every symmetry, followed to its mode.
+fn likeliest_modes(forms: Vec<FreeBody>, sample: &BodySample, tuning: &Tuning) -> Vec<FreeMode> {
+    let few = &sample.at_most(tuning.searched);
+    let rated = forms.into_iter().filter_map(|form| FreeMode::about(form, few, &tuning.free_rated, tuning));
+    let mut rated: Vec<FreeMode> = rated.collect();
+    rated.sort_by(|a, b| b.best.log_evidence.total_cmp(&a.best.log_evidence));
+    let of = |over: DepartureOver| {
+        let own = rated.iter().filter(move |mode| mode.over == over).take(tuning.free_followed);
+        let followed = own.filter_map(|mode| mode.again(few, sample, tuning));
+        followed.max_by(|a, b| a.best.log_evidence.total_cmp(&b.best.log_evidence))
     };
-    let closed = next_to_all(found.iter().filter(|mode| closes(mode))).filter(goes_all_round);
-    let next = || next_to_all(found.iter()).filter(|_| from == FreeBase::Any);
-    closed.or_else(next).cloned()
+    [DepartureOver::Space, DepartureOver::Turned, DepartureOver::Extruded].into_iter().filter_map(of).collect()
 }
 
-fn closes(mode: &Mode) -> bool {
-    matches!(mode.primitive.kind, PartKind::Sphere | PartKind::Ellipsoid)
+impl FreeMode {
+    /// About a base, with departures of some lengths.
+    fn about(form: FreeBody, sample: &BodySample, lengths: &[f64], tuning: &Tuning) -> Option<FreeMode> {
+        let distances: Vec<f64> = sample.points.iter().map(|p| form.base.nearest(*p).0.abs()).collect();
+        let scatter = quantile(distances, tuning.surely_own, Rank::Reached)?;
+        let weights = vec![1.0; sample.len()];
+        let sd = [scatter.max(sample.floor[0]), tuning.random_normals];
+        let mode = Mode { primitive: form.base, weights, sd, likelihood: 0.0, strays: FalseContacts::None };
+        FreeMode::found(DrawnBase::of_primitive(form.base), form.over, mode, sample, lengths, tuning)
+    }
+
+    /// The likeliest surface by the equations about one.
+    fn found(
+        surface: DrawnBase,
+        over: DepartureOver,
+        mode: Mode,
+        sample: &BodySample,
+        lengths: &[f64],
+        tuning: &Tuning,
+    ) -> Option<FreeMode> {
+        let linearised = LinearisedBase::of_level_set(&surface, over, &mode, sample, lengths, tuning);
+        let nodes = linearised.departed_nodes_near(0, &tuning.free_sizes, tuning);
+        let best = nodes.into_iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
+        let surface = DrawnBase::likeliest(best.likeliest(&linearised.primitive), &best);
+        let mode = Mode { sd: best.sd, ..mode };
+        Some(FreeMode { surface, over, mode, best })
+    }
+
+    fn linearised<'a>(&self, sample: &'a BodySample, lengths: &[f64], tuning: &Tuning) -> LinearisedBase<'a> {
+        LinearisedBase::of_level_set(&self.surface, self.over, &self.mode, sample, lengths, tuning)
+    }
+
+    /// The same over all contacts, and then over those that lie near it, if these are likelier.
+    fn again(&self, few: &BodySample, all: &BodySample, tuning: &Tuning) -> Option<FreeMode> {
+        let near = self.clone().followed(few, &tuning.free_rated, tuning);
+        let mode = Mode { weights: vec![1.0; all.len()], ..near.mode };
+        let whole = FreeMode::found(near.surface, self.over, mode, all, &tuning.free_lengths, tuning)?;
+        let whole = whole.followed(all, &tuning.free_lengths, tuning);
+        let mode = Mode { weights: whole.weights(all, tuning), ..whole.mode.clone() };
+        if mode.others().is_empty() {
+            return Some(whole);
+        }
+        let own = FreeMode::found(whole.surface.clone(), self.over, mode, all, &tuning.free_lengths, tuning);
+        let own = own.map(|own| own.followed(all, &tuning.free_lengths, tuning));
+        Some(own.filter(|own| own.best.log_evidence > whole.best.log_evidence).unwrap_or(whole))
+    }
+
+    /// The same after steps to its mode.
+    fn followed(self, sample: &BodySample, lengths: &[f64], tuning: &Tuning) -> FreeMode {
+        let mut known = self;
+        for _ in 0..tuning.free_rounds {
+            let (surface, mode) = (known.surface.clone(), known.mode.clone());
+            let Some(next) = FreeMode::found(surface, known.over, mode, sample, lengths, tuning) else { break };
+            let gain = next.best.log_evidence - known.best.log_evidence;
+            if gain <= 0.0 {
+                break;
+            }
+            known = next;
+            if gain < SETTLED {
+                break;
+            }
+        }
+        known
+    }
+
+    /// 1 for the contacts that are no farther from the surface than its own scatter lets them.
+    fn weights(&self, sample: &BodySample, tuning: &Tuning) -> Vec<f64> {
+        let far = tuning.belongs * self.scatter(sample);
+        let is_own = |p: &Vector| self.surface.distance(*p).abs() <= far;
+        sample.points.iter().map(|p| if is_own(p) { 1.0 } else { 0.0 }).collect()
+    }
+
+    /// Sd of a contact, by the median of the distances.
+    fn scatter(&self, sample: &BodySample) -> f64 {
+        mad(sample.points.iter().map(|p| self.surface.distance(*p))).max(sample.floor[0])
+    }
+
+    fn belonging(&self, all: &BodySample, tuning: &Tuning) -> Vec<usize> {
+        let weights = self.weights(all, tuning);
+        (0..all.len()).filter(|i| weights[*i] > 0.5).collect()
+    }
 }
 
-/// The base with departures in space.
-fn about<'a>(base: &Mode, sample: &'a BodySample, lengths: &[f64], tuning: &Tuning) -> LinearisedBase<'a> {
-    let of_all = Mode { weights: vec![1.0; sample.len()], ..base.clone() };
-    LinearisedBase::new(&of_all, sample, tuning).in_space().with_lengths(lengths, tuning.free_features)
-}
+/// A round by which the log evidence grows less ends the search.
+const SETTLED: f64 = 0.1;
 
 /// Whether a departure of the likeliest length and size tells contacts that it was not told of.
-fn predicts(base: &Mode, best: &BodyHypothesis, sample: &BodySample, tuning: &Tuning) -> bool {
-    let Some([length, size]) = best.departure else { return false };
+fn predicts(best: &FreeMode, sample: &BodySample, tuning: &Tuning) -> bool {
+    let Some([length, size]) = best.best.departure else { return false };
+    let own: Vec<usize> = best.mode.members();
     let is_out = |i: &usize| i.is_multiple_of(LEFT_OUT);
-    let (out, kept): (Vec<usize>, Vec<usize>) = (0..sample.len()).partition(is_out);
+    let (out, kept): (Vec<usize>, Vec<usize>) = own.into_iter().partition(is_out);
     let few = sample.only(&kept);
-    let linearised = about(base, &few, &[length], tuning);
+    let mode = Mode { weights: vec![1.0; few.len()], ..best.mode.clone() };
+    let linearised = LinearisedBase::of_level_set(&best.surface, best.over, &mode, &few, &[length], tuning);
     let Some(node) = linearised.departed_nodes(0, &[size], 0.0, tuning).next() else { return false };
-    let primitive = moved(&linearised.primitive, node.step());
-    let surface = DrawnBase::likeliest(primitive, &node);
+    let surface = DrawnBase::likeliest(node.likeliest(&linearised.primitive), &node);
     let sum = |away: &dyn Fn(usize) -> f64| out.iter().map(|i| away(*i).powi(2)).sum::<f64>();
     let of_surface = sum(&|i| surface.distance(sample.points[i]));
-    let of_primitive = sum(&|i| base.primitive.nearest(sample.points[i]).0);
-    of_surface < tuning.free_predicts.powi(2) * of_primitive
+    let of_primitive = sum(&|i| best.mode.primitive.nearest(sample.points[i]).0);
+    let of_scatter = out.len() as f64 * (tuning.belongs * node.scatter()).powi(2);
+    of_surface < (tuning.free_predicts.powi(2) * of_primitive).min(of_scatter)
 }

@@ -13,13 +13,19 @@
 //! M. C. Kennedy, *J. R. Statist. Soc. B* 63 (2001) 425, on the departure; H. Rue, S. Martino and N. Chopin, *ibid.* 71 (2009) 319, on
 //! Laplace's method in what is not linear.
 
+mod body_hypothesis;
+mod body_posterior;
 mod candidates;
 mod chart;
+mod coordinates;
 mod departure;
 mod division;
+mod equations;
 mod evidence;
 mod free_surface;
 mod inference;
+mod kernel_layer;
+mod level_set;
 mod mode;
 mod other_things;
 mod posterior;
@@ -27,14 +33,18 @@ mod prior;
 mod rows;
 mod sample;
 mod search;
+mod symmetry;
+#[cfg(test)]
+mod symmetry_tests;
 #[cfg(test)]
 mod tests;
 mod tuning;
 
+pub(crate) use body_hypothesis::BodyHypothesis;
+pub(crate) use body_posterior::BodyPosterior;
 pub(crate) use chart::BodyChart;
-pub(crate) use evidence::BodyHypothesis;
-pub(crate) use free_surface::{FreeBase, free_surface};
-pub(crate) use inference::{BodyPosterior, Verdict, infer};
+pub(crate) use coordinates::Symmetry;
+pub(crate) use inference::{Verdict, infer, infer_primitives};
 pub(crate) use other_things::{Thing, scatter};
 pub(crate) use posterior::{DrawnBase, PosteriorSpread, draws as drawn, spread};
 pub(crate) use sample::BodySample;

@@ -10,9 +10,10 @@ use std::sync::Arc;
 
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
-use super::departure::{DepartureJet, DepartureOver, DepartureProcess};
-use super::evidence::{BodyHypothesis, moved};
-use super::inference::BodyPosterior;
+use super::body_hypothesis::BodyHypothesis;
+use super::body_posterior::BodyPosterior;
+use super::coordinates::{DepartureJet, DepartureOver};
+use super::departure::DepartureProcess;
 use super::mode::is_possible;
 use super::tuning::Tuning;
 use crate::dense;
@@ -52,13 +53,8 @@ impl DrawnBase {
         DrawnBase { primitive, departure, share: 1.0 }
     }
 
-    /// The same departure from this primitive: the same one in other axes.
-    pub(crate) fn with_primitive(self, primitive: Primitive) -> DrawnBase {
-        DrawnBase { primitive, ..self }
-    }
-
     /// F, its gradient and its Hessian at a place; F is positive outside.
-    fn jet(&self, place: Vector) -> DepartureJet {
+    pub(super) fn jet(&self, place: Vector) -> DepartureJet {
         let q = self.primitive.own(place);
         let base = self.primitive.at(q);
         let axes = self.primitive.axes;
@@ -67,12 +63,9 @@ impl DrawnBase {
         let hessian = [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|k| axes[k][i] * rotated[k][j]).sum::<f64>()));
         let mut jet = DepartureJet { value: base.distance, gradient, hessian };
         if let Some((process, coefficients)) = &self.departure {
-            let by = match process.over {
-                DepartureOver::Space => process.jet(coefficients, place),
-                DepartureOver::Feet => {
-                    process.jet(coefficients, along(place, -base.distance, gradient)).across(gradient)
-                }
-            };
+            let foot = along(place, -base.distance, gradient);
+            let by = process.jet_at(coefficients, &self.primitive, place, foot);
+            let by = if process.over == DepartureOver::Feet { by.across(gradient) } else { by };
             jet.value -= by.value;
             jet.gradient = minus(jet.gradient, by.gradient);
             (0..3).for_each(|i| jet.hessian[i] = minus(jet.hessian[i], by.hessian[i]));
@@ -111,6 +104,11 @@ impl DrawnBase {
         self.departure.is_some()
     }
 
+    /// Whether it departs by as much as the body is large.
+    pub(crate) fn is_level_set(&self) -> bool {
+        self.departure.as_ref().is_some_and(|(process, _)| process.over != DepartureOver::Feet)
+    }
+
     /// Principal curvatures `k1 >= k2` at the foot of a place, the normal towards the free side.
     pub(crate) fn curvatures(&self, place: Vector) -> [f64; 2] {
         self.reading(place).curvatures
@@ -126,7 +124,11 @@ impl DrawnBase {
         let side = self.primitive.side;
         let first = self.jet(place);
         let square = dot(first.gradient, first.gradient).max(FLAT);
-        let there = self.jet(along(place, -first.value / square, first.gradient));
+        let there = if self.is_level_set() {
+            self.jet(self.onto(place))
+        } else {
+            self.jet(along(place, -first.value / square, first.gradient))
+        };
         let steepness = dot(there.gradient, there.gradient).max(FLAT).sqrt();
         let outwards = there.gradient.map(|g| g / steepness);
         let [s, t, _] = axes_along(outwards);
@@ -185,9 +187,9 @@ pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Ve
             step.iter_mut().zip(&node.solution).for_each(|(s, mean)| *s = mean + wide * *s);
             let base = posterior.primitives[node.of];
             let weights = node.process.as_ref().map_or(0, |process| process.len());
-            let drawn = moved(&base, &step[weights..]);
+            let drawn = node.moved_by(&base, &step);
             // a radius below zero is no body: the likeliest stands for it
-            let primitive = if is_possible(&drawn) { drawn } else { moved(&base, node.step()) };
+            let primitive = if is_possible(&drawn) { drawn } else { node.likeliest(&base) };
             let as_error = if posterior.is_free { 0.0 } else { is_sensor_error(node, tuning) };
             // draws of every node are read both ways
             let is_error = evenly(found.len()) < as_error;

@@ -12,6 +12,7 @@
 
 use std::f64::consts::PI;
 
+use super::coordinates::DepartureOver;
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::vector::dot;
 
@@ -35,6 +36,18 @@ pub(super) fn log_prior(primitive: &Primitive) -> f64 {
         PartKind::Ellipsoid => {
             height + around_point + orientation() + half_axes([one, two, three]) + radius_of(primitive)
         }
+    }
+}
+
+/// Log density of the axis of a departure that is as large as the body, as far as it has one.
+pub(super) fn log_prior_of_axis(base: &Primitive, over: DepartureOver) -> f64 {
+    let direction = -(2.0 * PI).ln();
+    let across = base.own([0.0; 3]);
+    match over {
+        DepartureOver::Feet | DepartureOver::Space => 0.0,
+        // the axis passes near the contacts
+        DepartureOver::Turned => direction - (2.0 * PI * (1.0 + across[0].hypot(across[1]))).ln(),
+        DepartureOver::Extruded => direction,
     }
 }
 

@@ -10,7 +10,8 @@ use std::sync::Arc;
 
 use faer::{Mat, MatMut};
 
-use super::departure::{DepartureOver, DepartureProcess};
+use super::coordinates::DepartureOver;
+use super::departure::DepartureProcess;
 use super::mode::aligned;
 use super::sample::BodySample;
 use crate::dense;
@@ -20,19 +21,24 @@ use palpate_numeric::vector::{Vector, along, axes_along, dot};
 
 /// Rows by the primitive's unknowns and the residual.
 pub(super) struct BaseRows {
-    over: DepartureOver,
+    pub(super) over: DepartureOver,
     /// What the departure is a function of, at every contact.
-    places: Vec<Vector>,
-    /// Contacts with a normal, with two directions across it.
-    across: Vec<(usize, [Vector; 2])>,
-    distances: Mat<f64>,
-    tangential: Mat<f64>,
+    pub(super) places: Vec<Vector>,
+    /// Contacts with a normal, with two directions across it in what the departure is a function of.
+    pub(super) across: Vec<(usize, [Vector; 2])>,
+    pub(super) distances: Mat<f64>,
+    pub(super) tangential: Mat<f64>,
+    /// Rows of steepness, and the directions in which it is asked; none where a departure is small.
+    pub(super) steepness: Mat<f64>,
+    pub(super) upward: Vec<Vector>,
 }
 
 /// Gram matrices over columns `w, x, residual`.
 pub(super) struct RowGrams {
     /// Of distances and of normals.
     pub(super) of: [Mat<f64>; 2],
+    /// Of steepness, where it is asked.
+    pub(super) steepness: Option<Mat<f64>>,
     /// Number of the columns w.
     pub(super) places: usize,
     /// What the columns w are those of.
@@ -41,26 +47,16 @@ pub(super) struct RowGrams {
 
 impl BaseRows {
     /// Of the contacts that belong to a primitive.
-    pub(super) fn new(primitive: &Primitive, members: &[usize], sample: &BodySample, over: DepartureOver) -> BaseRows {
+    pub(super) fn new(primitive: &Primitive, members: &[usize], sample: &BodySample) -> BaseRows {
         let free = primitive.kind.free();
         let width = free.len() + 1;
-        let normals = members.iter().filter(|i| sample.normal(**i).is_some()).count();
-        let mut found = BaseRows {
-            over,
-            places: Vec::with_capacity(members.len()),
-            across: Vec::with_capacity(normals),
-            distances: Mat::zeros(members.len(), width),
-            tangential: Mat::zeros(2 * normals, width),
-        };
+        let mut found = BaseRows::empty(DepartureOver::Feet, free.len(), members, sample);
         for (r, &i) in members.iter().enumerate() {
             let place = sample.points[i];
             let (d, normal) = primitive.nearest(place);
             let given = sample.normal(i).map(|n| aligned(n, normal));
             let all = rows(primitive, place, given.unwrap_or([0.0; 3]));
-            found.places.push(match over {
-                DepartureOver::Feet => along(place, -d, normal),
-                DepartureOver::Space => place,
-            });
+            found.places.push(along(place, -d, normal));
             free.iter().enumerate().for_each(|(c, &a)| found.distances[(r, c)] = all[0].1[a]);
             found.distances[(r, width - 1)] = d;
             if given.is_none() {
@@ -82,15 +78,34 @@ impl BaseRows {
         found
     }
 
+    /// So many rows as there are distances and normals, by so many unknowns and the residual.
+    pub(super) fn empty(over: DepartureOver, unknowns: usize, members: &[usize], sample: &BodySample) -> BaseRows {
+        let normals = members.iter().filter(|i| sample.normal(**i).is_some()).count();
+        BaseRows {
+            over,
+            places: Vec::with_capacity(members.len()),
+            across: Vec::with_capacity(normals),
+            distances: Mat::zeros(members.len(), unknowns + 1),
+            tangential: Mat::zeros(2 * normals, unknowns + 1),
+            steepness: Mat::zeros(if over == DepartureOver::Feet { 0 } else { members.len() }, unknowns + 1),
+            upward: Vec::new(),
+        }
+    }
+
     /// Without a departure.
     pub(super) fn grams(&self) -> RowGrams {
         let of = [&self.distances, &self.tangential].map(|rows| dense::gram(rows.as_ref()));
-        RowGrams { of, places: 0, process: None }
+        RowGrams { of, steepness: None, places: 0, process: None }
     }
 
-    /// With one of a length, carried by so many places at most; `None` where its places do not carry it.
-    pub(super) fn grams_with(&self, length: f64, most: usize) -> Option<RowGrams> {
+    /// With one of a length, carried by so many places at most, and with a broad one where it is as large as the body; `None` where its
+    /// places do not carry it.
+    pub(super) fn grams_with(&self, length: f64, broad: f64, most: usize) -> Option<RowGrams> {
         let process = DepartureProcess::new(&self.places, self.over, length, most)?;
+        let process = match self.over {
+            DepartureOver::Feet => process,
+            _ => process.beside_broad(&self.places, broad, most)?,
+        };
         let places = process.len();
         let mut distances = beside(&self.distances, places);
         let mut tangential = beside(&self.tangential, places);
@@ -102,11 +117,19 @@ impl BaseRows {
                 (tangential[(2 * number, c)], tangential[(2 * number + 1, c)]) = (-a, -b);
             }
         }
+        let mut steepness = beside(&self.steepness, places);
+        for (r, upward) in self.upward.iter().enumerate() {
+            for (c, [a, _]) in process.slopes(self.places[r], [*upward, *upward]).enumerate() {
+                steepness[(r, c)] = -a;
+            }
+        }
         let carried = |rows: MatMut<'_, f64>| process.whiten(rows.subcols_mut(0, places));
         carried(distances.as_mut());
         carried(tangential.as_mut());
+        carried(steepness.as_mut());
         let of = [distances, tangential].map(|rows| dense::gram(rows.as_ref()));
-        Some(RowGrams { of, places, process: Some(Arc::new(process)) })
+        let steepness = (!self.upward.is_empty()).then(|| dense::gram(steepness.as_ref()));
+        Some(RowGrams { of, steepness, places, process: Some(Arc::new(process)) })
     }
 }
 
@@ -115,4 +138,32 @@ fn beside(rows: &Mat<f64>, places: usize) -> Mat<f64> {
     let mut wide = Mat::zeros(rows.nrows(), places + rows.ncols());
     wide.as_mut().subcols_mut(places, rows.ncols()).copy_from(rows);
     wide
+}
+
+impl RowGrams {
+    /// Sum over the contacts of the squared departure, less what a move of the primitive takes up of it: the two trade where the departure is
+    /// long, and only their sum is told.
+    ///
+    /// ```text
+    /// |d|^2 - b' (J'J)^-1 b,   d = K w,  b = J'd      K, J: rows of distances by the departure's places and by the primitive's moves
+    /// ```
+    pub(super) fn departure_square(&self, solution: &[f64]) -> Option<f64> {
+        let (places, weights) = (self.places, &solution[..self.places]);
+        let product = |i: usize| self.of[0].col_as_slice(i).iter().zip(weights).map(|(g, w)| g * w).sum::<f64>();
+        let square = weights.iter().enumerate().map(|(i, w)| w * product(i)).sum::<f64>();
+        let moves: Vec<usize> = (places..solution.len()).collect();
+        if moves.is_empty() {
+            return Some(square);
+        }
+        let largest = moves.iter().map(|&i| self.of[0][(i, i)]).fold(0.0, f64::max);
+        let of_moves = |i: usize, j: usize| {
+            // what no distance tells stays where it is
+            let held = if i == j { 1e-12 * largest + f64::MIN_POSITIVE } else { 0.0 };
+            self.of[0][(moves[i], moves[j])] + held
+        };
+        let lower = dense::cholesky(&Mat::from_fn(moves.len(), moves.len(), of_moves))?;
+        let mut taken: Vec<f64> = moves.iter().map(|&i| product(i)).collect();
+        dense::forward_in_columns(&lower, &mut taken);
+        Some((square - taken.iter().map(|t| t * t).sum::<f64>()).max(0.0))
+    }
 }

@@ -1,7 +1,7 @@
 //! The posterior against numbers that are known otherwise: evidence by integration, ranks of the truth, false contacts, two things.
 
 use super::evidence::LinearisedBase;
-use super::free_surface::{FreeBase, free_surface};
+use super::free_surface::free_surface;
 use super::inference::{Verdict, infer};
 use super::mode::FalseContacts;
 use super::posterior::{draws, spread};
@@ -204,7 +204,7 @@ fn a_pear_is_a_free_surface_and_lies_where_it_is() {
         points.push(direction.map(|v| r * v));
     }
     let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
-    let posterior = free_surface(&sample, FreeBase::Closed, &tuning).expect("a free surface");
+    let posterior = free_surface(&sample, &tuning).expect("a free surface");
     let drawn = draws(&posterior, &tuning, 1);
     let mut square = 0.0;
     for k in 0..100 {
@@ -232,8 +232,8 @@ fn one_side_of_a_pear_is_no_closed_surface() {
         }
     }
     let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
-    assert!(free_surface(&sample, FreeBase::Closed, &tuning).is_none());
-    assert!(free_surface(&sample, FreeBase::Any, &tuning).is_some());
+    let posterior = free_surface(&sample, &tuning).expect("a free surface");
+    assert!(!posterior.closes(&sample, &tuning));
 }
 
 /// Places on a bar of radius 1 and length 3 with half a ball at each end, each with its error.
@@ -326,8 +326,7 @@ fn a_part_of_a_pipe_that_departs_is_a_pipe_or_a_cone() {
         let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("{number}: no answer") };
         let straight = posterior.weight_of(PartKind::Cylinder) + posterior.weight_of(PartKind::Cone);
         assert!(straight > 0.9, "{number}: {straight}");
-        let every =
-            posterior.nodes.iter().map(|node| super::evidence::moved(&posterior.primitives[node.of], node.step()));
+        let every = posterior.nodes.iter().map(|node| node.likeliest(&posterior.primitives[node.of]));
         every.into_iter().for_each(|p| assert!(super::mode::is_possible(&p), "{p:?}"));
     }
 }

@@ -51,6 +51,16 @@ pub struct Tuning {
     pub free_lengths: [f64; 4],
     /// Sizes of that departure, in standard deviations of a single contact: up to a third of the body for the most exact sensor.
     pub free_sizes: [f64; 6],
+    /// By how much the slope of an implicit surface may differ from 1 along its normal, a standard deviation: it is a distance nearby.
+    pub free_steepness: f64,
+    /// Standard deviation and length of a broad departure besides, as large as the body: what no primitive and no short length follows.
+    pub free_broad: [f64; 2],
+    /// Two of the lengths by which its forms are rated before any is followed.
+    pub free_rated: [f64; 2],
+    /// Forms of every symmetry that are followed to their mode.
+    pub free_followed: usize,
+    /// Steps to a mode: each squares what is left.
+    pub free_rounds: usize,
     /// Contacts from which a free surface is computed at most.
     pub free_contacts: usize,
     /// Places that carry a free surface at most.
@@ -100,6 +110,8 @@ pub struct Tuning {
     /// Scatter over that of another explanation, below which it is far nearer: about a thing over that about what may be two, since noise is
     /// the same all over, and about a body over that about a patch.
     pub sharper: f64,
+    /// Scatter about several things over that about a free surface, up to which they are as near: of 160 contacts it is known to 6 %.
+    pub as_near: f64,
     /// Share of all contacts that three things or more hold where two alone do not explain them better than one.
     pub things_hold: f64,
     /// First things, the likeliest, of which the second is looked for.
@@ -132,8 +144,12 @@ pub struct Tuning {
     pub certain: f64,
     /// A gap between contacts round a body, degrees, that is no gap of its map.
     pub no_gap_deg: f64,
-    /// A place of the map is supported where a contact is so many times as near as contacts are to each other, at the 90th percentile.
-    pub supported: f64,
+    /// A place of the map is supported where a contact is so many times as near as contacts are to each other, at the 90th percentile: of a
+    /// primitive, and of a free surface, of which no more is known than within the widest gap between random contacts.
+    pub supported: [f64; 2],
+    /// Distance of the middle of the contacts beside a place of a free surface from it, over their root mean square distance, up to
+    /// which they lie on all sides of it.
+    pub surrounded: f64,
 }
 
 impl Default for Tuning {
@@ -156,6 +172,11 @@ impl Default for Tuning {
             all_round: 0.5,
             free_lengths: [0.15, 0.3, 0.6, 1.2],
             free_sizes: [8.0, 32.0, 128.0, 512.0, 2048.0, 8192.0],
+            free_steepness: 0.1,
+            free_broad: [2.0, 2.0],
+            free_rated: [0.3, 0.8],
+            free_followed: 2,
+            free_rounds: 8,
             free_contacts: 600,
             free_features: 240,
             free_predicts: 0.5,
@@ -179,6 +200,7 @@ impl Default for Tuning {
             second_share: 0.15,
             most_things: 16,
             sharper: 0.5,
+            as_near: 1.2,
             things_hold: 0.95,
             firsts: 4,
             clearly: 10.0,
@@ -195,7 +217,8 @@ impl Default for Tuning {
             random_normals: 0.35,
             certain: 0.95,
             no_gap_deg: 60.0,
-            supported: 3.0,
+            supported: [3.0, 1.5],
+            surrounded: 0.5,
         }
     }
 }

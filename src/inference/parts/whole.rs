@@ -61,7 +61,7 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
     let normals: &[Vector] = if measured { &cloud.normals } else { &[] };
     let sample = BodySample::new(&cloud.points, normals, [0.0; 2])?;
     let tuning = Tuning::default();
-    let mut things: Vec<Thing> = match bodies::infer(&sample.at_most(LOOKED_AT), &tuning) {
+    let mut things: Vec<Thing> = match bodies::infer_primitives(&sample.at_most(LOOKED_AT), &tuning) {
         Verdict::One(posterior) => {
             let kind = posterior.kind();
             let node = posterior.best_of(kind).filter(|node| node.departure_size() < DEPARTS)?;
@@ -69,7 +69,7 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
             vec![Thing { primitive, contacts: posterior.members_of(kind).len(), scatter }]
         }
         Verdict::Several(things) => things,
-        Verdict::None => return None,
+        Verdict::Free(_) | Verdict::None => return None,
     };
     // of many things a ring follows what lies between the others, and other contacts give others
     let are_many = things.len() > 2;

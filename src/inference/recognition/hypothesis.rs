@@ -1,5 +1,6 @@
 //! The kinds of surface that are compared with each other.
 
+use crate::bodies::Symmetry;
 use crate::primitives::placed::PartKind;
 
 /// The kinds of surface that are compared.
@@ -24,11 +25,15 @@ pub enum Hypothesis {
     Torus,
     /// A line turned about an axis that it meets.
     Cone,
+    /// Any curve turned about an axis.
+    Revolution,
+    /// Any curve drawn along a line.
+    Extrusion,
 }
 
 impl Hypothesis {
     /// All hypotheses, in the order in which they are tried.
-    pub const ALL: [Hypothesis; 9] = [
+    pub const ALL: [Hypothesis; 11] = [
         Hypothesis::Plane,
         Hypothesis::Sphere,
         Hypothesis::Cylinder,
@@ -38,6 +43,8 @@ impl Hypothesis {
         Hypothesis::Quadric,
         Hypothesis::Torus,
         Hypothesis::Cone,
+        Hypothesis::Revolution,
+        Hypothesis::Extrusion,
     ];
 
     /// The word used in every output.
@@ -52,6 +59,8 @@ impl Hypothesis {
             Hypothesis::Quadric => "quadric",
             Hypothesis::Torus => "torus",
             Hypothesis::Cone => "cone",
+            Hypothesis::Revolution => "surface of revolution",
+            Hypothesis::Extrusion => "extrusion",
         }
     }
 
@@ -67,18 +76,33 @@ impl Hypothesis {
             Hypothesis::Quadric => "an ellipsoid or another quadric",
             Hypothesis::Torus => "a torus",
             Hypothesis::Cone => "a cone",
+            Hypothesis::Revolution => "a surface of revolution",
+            Hypothesis::Extrusion => "an extrusion",
         }
     }
 
     /// Numbers that fix a surface of this kind; a displacement adds as many as the contacts call for.
     pub fn unknowns(self) -> usize {
         match self {
+            // the axis alone: the curve has as many as the contacts call for
+            Hypothesis::Extrusion => 2,
+            Hypothesis::Revolution => 4,
             Hypothesis::Plane => 3,
             Hypothesis::Sphere => 4,
             Hypothesis::Cylinder => 5,
             Hypothesis::General | Hypothesis::Paraboloid | Hypothesis::Displaced | Hypothesis::Cone => 6,
             Hypothesis::Torus => 7,
             Hypothesis::Quadric => 9,
+        }
+    }
+}
+
+impl From<Symmetry> for Hypothesis {
+    fn from(symmetry: Symmetry) -> Hypothesis {
+        match symmetry {
+            Symmetry::None => Hypothesis::Displaced,
+            Symmetry::Turned => Hypothesis::Revolution,
+            Symmetry::Extruded => Hypothesis::Extrusion,
         }
     }
 }

@@ -120,6 +120,8 @@ fn in_words(hypothesis: &str) -> &str {
         "quadric" => "an ellipsoid or another quadric",
         "torus" => "a ring (torus)",
         "cone" => "a cone",
+        "surface of revolution" => "a curve turned about an axis",
+        "extrusion" => "a curve drawn along a line",
         _ => "a free surface that follows the contacts",
     }
 }

@@ -199,35 +199,36 @@ fn radius(document: &FitDocument) -> Option<Row> {
 fn axis(document: &FitDocument) -> Option<Row> {
     let shape = &document.shape;
     // where several shapes stand side by side, the axis in the middle is that of no shape
-    if shape.class_by_area.is_some() {
+    let hypothesis = document.fit.chosen.as_ref().and_then(|chosen| chosen.hypothesis.as_deref());
+    let is_of_all = matches!(hypothesis, Some("surface of revolution" | "extrusion"));
+    if shape.class_by_area.is_some() && !is_of_all {
         return None;
     }
-    let saddle = shape.class.as_deref() == Some("saddle");
+    let saddle = shape.class.as_deref() == Some("saddle") && !is_of_all;
     let (label, angle, vector) = if saddle {
         ("hollow along", shape.direction_deg, shape.direction)
     } else {
         ("axis", shape.axis_deg, shape.axis)
     };
-    let class = shape.class.as_deref().unwrap_or("surface");
-    let along =
-        if saddle { "the direction in which it is hollow".into() } else { format!("the way along the {class}") };
+    let along = match hypothesis {
+        Some("surface of revolution") => "that it is turned about".into(),
+        Some("extrusion") => "the way along it".into(),
+        _ if saddle => "the direction in which it is hollow".into(),
+        _ => format!("the way along the {}", shape.class.as_deref().unwrap_or("surface")),
+    };
     let within = shape.axis_within_deg.filter(|_| !saddle);
+    let between = |said: &dyn Fn(f64) -> String| match within {
+        Some(within) if within > OPEN => "any direction".into(),
+        Some(within) => said(within),
+        None => String::new(),
+    };
     if let Some(angle) = angle {
         // ends beyond 0 and 180 are said as they come: -2 and 3 is nearer to what is meant than 178 and 3
-        let between = match within {
-            Some(within) if within > OPEN => "any direction".into(),
-            Some(within) => bounds(angle, Some(1), [angle - within, angle + within]),
-            None => String::new(),
-        };
+        let between = between(&|within| bounds(angle, Some(1), [angle - within, angle + within]));
         let (value, meaning) = (degrees(angle), format!("from x towards y: {along}"));
         return Some(Row { label, value, between, meaning, ..Row::default() });
     }
-    let vector = vector?;
-    let between = match within {
-        Some(within) if within > OPEN => "any direction".into(),
-        Some(within) => format!("within {} deg of it", significant(within, 2)),
-        None => String::new(),
-    };
-    let (value, meaning) = (in_space(vector), format!("along x, y, z: {along}"));
+    let between = between(&|within| format!("within {} deg of it", significant(within, 2)));
+    let (value, meaning) = (in_space(vector?), format!("along x, y, z: {along}"));
     Some(Row { label, value, between, meaning, ..Row::default() })
 }

@@ -9,7 +9,9 @@ use super::drawn_map::DrawnMap;
 use super::exchanged_axes::agreeing_order;
 use super::kept_draws::{is_flat, kept_draws};
 use super::predicted_touches::predicted_over;
-use crate::bodies::{BodyChart, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Tuning, drawn, spread};
+use crate::bodies::{
+    BodyChart, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Symmetry, Tuning, drawn, spread,
+};
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::recognition::contacts::Observations;
 use crate::recognition::{
@@ -112,6 +114,7 @@ impl BodyAnswer<'_> {
             Some(node) => DrawnBase::likeliest(primitive, node),
             None => DrawnBase::of_primitive(primitive),
         };
+        let chart_surface = if self.posterior.is_free { surface.clone() } else { DrawnBase::of_primitive(primitive) };
         let chart = BodyChart::new(self.sample.frame, surface, &members, draws.clone(), &self.options.tuning);
         let DrawnMap { map, supported, shapes } = DrawnMap::over(&chart, self.options);
         let predictive = predicted_over(&chart, &shapes, self.touches, &self.given.points);
@@ -127,16 +130,18 @@ impl BodyAnswer<'_> {
         let curvedness = Estimate { sd: r_over_map, ..r.over(scale) };
         let shape = s.filter(|_| plane <= 0.5);
         let class = shape.map_or(ShapeClass::Plane, |s| ShapeClass::of_shape_index(s.mean));
-        let [k1, k2] = mean_curvatures(&primitive, &places).map(|k| k / scale);
+        let [k1, k2] = mean_curvatures(&chart_surface, &places).map(|k| k / scale);
         let frame = oriented(&chart, &self.sample.frame);
-        let directed = primitive.kind != PartKind::Sphere && class.has_axis() && !self.posterior.is_free;
+        let symmetry = self.posterior.symmetry();
+        let has_own_axis = primitive.kind != PartKind::Sphere && class.has_axis();
+        let directed = if self.posterior.is_free { symmetry != Symmetry::None } else { has_own_axis };
         let axis = directed.then_some(primitive.axes[2]);
         // a cone or a ring has no one radius of the pipe or ball that its class is named after
         let is_round = matches!(likeliest.kind, PartKind::Sphere | PartKind::Cylinder);
         let has_radius = is_round && !is_free && class != ShapeClass::Plane;
         let radius = has_radius.then(|| self.length(&primitive, &draws, 0));
         let found = Recognition {
-            hypothesis: if is_free { Hypothesis::Displaced } else { Hypothesis::from(likeliest.kind) },
+            hypothesis: if is_free { Hypothesis::from(symmetry) } else { Hypothesis::from(likeliest.kind) },
             class,
             class_probability: classes(&draws, &shapes),
             shape_index: shape,
@@ -172,7 +177,7 @@ impl BodyAnswer<'_> {
                 (None, false) => NormalsUse::Absent,
             },
             noise: self.noise(kind),
-            tried: self.tried(&places, free),
+            tried: if self.posterior.is_free { self.tried_free([k1, k2]) } else { self.tried(&places, free) },
             misfit: self.misfit(kind),
             effective_contacts: members.len() as f64,
             contacts: members.len(),
@@ -249,7 +254,7 @@ impl BodyAnswer<'_> {
         let scale = self.sample.frame.scale;
         let one = |kind: PartKind| {
             let primitive = self.posterior.likeliest(kind)?;
-            let [k1, k2] = mean_curvatures(&primitive, places).map(|k| k / scale);
+            let [k1, k2] = mean_curvatures(&DrawnBase::of_primitive(primitive), places).map(|k| k / scale);
             let members = self.posterior.members_of(kind);
             let square: f64 = members.iter().map(|&i| primitive.nearest(self.sample.points[i]).0.powi(2)).sum();
             Some(Tried {
@@ -265,6 +270,19 @@ impl BodyAnswer<'_> {
             tried.iter_mut().for_each(|t| t.weight *= 1.0 - free);
             tried.push(Tried { hypothesis: Hypothesis::Displaced, weight: free, ..base });
         }
+        tried.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        tried
+    }
+
+    /// Free surfaces by their symmetry.
+    fn tried_free(&self, [k1, k2]: [f64; 2]) -> Vec<Tried> {
+        let scale = self.sample.frame.scale;
+        let all = [Symmetry::None, Symmetry::Turned, Symmetry::Extruded].map(|symmetry| {
+            let rms = self.posterior.best_of_symmetry(symmetry).map_or(f64::NAN, |best| scale * best.scatter());
+            let weight = self.posterior.weight_of_symmetry(symmetry);
+            Tried { hypothesis: Hypothesis::from(symmetry), weight, k1, k2, rms }
+        });
+        let mut tried: Vec<Tried> = all.into_iter().filter(|t| t.rms.is_finite()).collect();
         tried.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         tried
     }
@@ -320,9 +338,8 @@ fn mean_shape(drawn: &DrawnBase, places: &[Vector]) -> Option<[f64; 2]> {
     means.iter().all(|v| v.is_finite()).then_some(means)
 }
 
-fn mean_curvatures(primitive: &Primitive, places: &[Vector]) -> [f64; 2] {
+fn mean_curvatures(drawn: &DrawnBase, places: &[Vector]) -> [f64; 2] {
     let count = places.len().max(1) as f64;
-    let drawn = DrawnBase::of_primitive(*primitive);
     let each = places.iter().map(|place| drawn.curvatures(*place));
     each.fold([0.0; 2], |sum, k| [0, 1].map(|i| sum[i] + k[i] / count))
 }

@@ -19,7 +19,7 @@ use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
-use crate::bodies::{self, BodyHypothesis, BodyPosterior, BodySample, FreeBase, Thing, Tuning, Verdict};
+use crate::bodies::{self, BodyHypothesis, BodyPosterior, BodySample, Symmetry, Thing, Tuning, Verdict};
 use crate::primitives::placed::PartKind;
 use crate::recognition::contacts::{
     Observations, distance_from_conic, patch_frame, spread_beside_a_line, stand_upright,
@@ -81,17 +81,45 @@ pub(super) fn instead(
             }
             body.recognition()
         }
-        Verdict::None => {
-            // what goes no farther round than a patch may is told by a patch, or by a field over it
+        Verdict::Free(posterior) => {
+            // a surface of no symmetry that goes no farther round than a patch may is told by a patch, or by a field over it
             let goes_far = doubt == PatchDoubt::AllRound || matches!(patch, Err(RecognitionError::AllAround { .. }));
-            let from = if goes_far { FreeBase::Any } else { FreeBase::Closed };
-            let Some(posterior) = bodies::free_surface(&sample, from, &options.tuning) else {
-                return if doubt == PatchDoubt::AllRound { Err(all_around(normals)) } else { patch };
-            };
+            let is_plain = posterior.symmetry() == Symmetry::None && !posterior.closes(&sample, &options.tuning);
+            if is_plain && !goes_far {
+                return patch;
+            }
+            if patch.as_ref().is_ok_and(|found| serves(found, doubt, &posterior, &sample, given, &options.tuning)) {
+                return patch;
+            }
             let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options, touches };
             body.check_axes_of_normals()?;
             body.recognition()
         }
+        Verdict::None if doubt == PatchDoubt::AllRound => Err(all_around(normals)),
+        Verdict::None => patch,
+    }
+}
+
+/// Whether a patch tells contacts as well as a free surface that goes round a body, or as well as is asked of what goes no farther round
+/// than a patch may.
+fn serves(
+    found: &Recognition,
+    doubt: PatchDoubt,
+    free: &BodyPosterior,
+    sample: &BodySample,
+    given: &Observations,
+    tuning: &Tuning,
+) -> bool {
+    match doubt {
+        PatchDoubt::Kind => true,
+        PatchDoubt::Slight => !free.closes(sample, tuning),
+        PatchDoubt::Bent => {
+            let square: f64 = given.points.iter().map(|p| found.surface.distance(*p).powi(2)).sum();
+            let rms = (square / given.points.len() as f64).sqrt();
+            let scatter = free.best_of(free.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
+            !free.closes(sample, tuning) && sample.frame.scale * scatter > tuning.sharper * rms
+        }
+        PatchDoubt::None | PatchDoubt::AllRound | PatchDoubt::Refused => false,
     }
 }
 

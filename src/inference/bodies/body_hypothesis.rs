@@ -1,0 +1,95 @@
+//! One hypothesis about a body: a kind with a departure of one length and size, and what contacts then say.
+
+use std::sync::Arc;
+
+use faer::Mat;
+
+use super::coordinates::Symmetry;
+use super::departure::DepartureProcess;
+#[cfg(test)]
+use crate::dense;
+use crate::primitives::placed::{MOST_UNKNOWNS, Primitive};
+
+/// What one hypothesis says.
+#[derive(Clone, Debug)]
+pub(crate) struct BodyHypothesis {
+    /// Number of the kind's linearisation.
+    pub(super) of: usize,
+    /// Length of the departure and its size over the sd of a contact; `None` without one.
+    pub(super) departure: Option<[f64; 2]>,
+    pub(super) log_evidence: f64,
+    /// The departure's weights, then the move to the likeliest primitive by the unknowns that are free.
+    pub(super) solution: Vec<f64>,
+    /// Which of the primitive's unknowns these are.
+    pub(super) moving: &'static [usize],
+    /// Lower factor of their precision in units of one over the sd.
+    pub(super) lower: Mat<f64>,
+    /// What the weights are those of.
+    pub(super) process: Option<Arc<DepartureProcess>>,
+    /// Sds of distances and normals.
+    pub(super) sd: [f64; 2],
+    /// Root mean square of the departure at the contacts.
+    pub(super) departure_rms: f64,
+    /// Degrees of freedom of the sd.
+    pub(super) freedom: f64,
+}
+
+impl BodyHypothesis {
+    /// The move to the likeliest primitive.
+    pub(super) fn step(&self) -> &[f64] {
+        &self.solution[self.process.as_ref().map_or(0, |process| process.len())..]
+    }
+
+    /// A primitive moved by the last numbers of a solution, by the likeliest one or by one that was drawn.
+    pub(super) fn moved_by(&self, base: &Primitive, solution: &[f64]) -> Primitive {
+        moved(base, self.moving, &solution[self.solution.len() - self.moving.len()..])
+    }
+
+    /// The likeliest primitive.
+    pub(super) fn likeliest(&self, base: &Primitive) -> Primitive {
+        self.moved_by(base, &self.solution)
+    }
+
+    /// ln of the factor's determinant.
+    #[cfg(test)]
+    pub(super) fn lower_determinant(&self) -> f64 {
+        0.5 * dense::log_det(&self.lower)
+    }
+
+    /// Sd of a single contact.
+    pub(crate) fn scatter(&self) -> f64 {
+        self.sd[0]
+    }
+
+    /// Sd of a normal in each tangent direction, radians.
+    pub(crate) fn sd_of_normals(&self) -> f64 {
+        self.sd[1]
+    }
+
+    /// Root mean square of the departure at the contacts.
+    pub(crate) fn departure_size(&self) -> f64 {
+        self.departure_rms
+    }
+
+    /// Length of the departure.
+    pub(crate) fn length(&self) -> Option<f64> {
+        self.departure.map(|[length, _]| length)
+    }
+
+    /// In which way its departure is the same in many places.
+    pub(super) fn symmetry(&self) -> Symmetry {
+        self.process.as_ref().map_or(Symmetry::None, |process| process.over.symmetry())
+    }
+
+    /// Degrees of freedom of the sd.
+    pub(crate) fn freedom(&self) -> f64 {
+        self.freedom
+    }
+}
+
+/// A primitive moved by some of its unknowns.
+pub(super) fn moved(primitive: &Primitive, moving: &[usize], step: &[f64]) -> Primitive {
+    let mut all = [0.0; MOST_UNKNOWNS];
+    moving.iter().zip(step).for_each(|(i, s)| all[*i] = *s);
+    primitive.moved(&all)
+}

@@ -1,0 +1,176 @@
+//! Bodies that were turned or drawn, against what they are.
+
+use super::chart::BodyChart;
+use super::coordinates::{DepartureOver, Symmetry};
+use super::evidence::LinearisedBase;
+use super::inference::{Verdict, infer};
+use super::mode::{FalseContacts, Mode};
+use super::posterior::{DrawnBase, draws};
+use super::sample::BodySample;
+use super::tuning::Tuning;
+use crate::primitives::placed::{PartKind, Primitive};
+use palpate_numeric::draws::Lcg;
+use palpate_numeric::vector::{Vector, along, axes_along, cross, dot, minus, norm, unit};
+
+fn gaussian(generator: &mut Lcg) -> f64 {
+    let angle = std::f64::consts::TAU * generator.uniform();
+    (-2.0 * (1.0 - generator.uniform()).ln()).sqrt() * angle.cos()
+}
+
+/// Axes that are none of the coordinates'.
+fn tilted() -> [Vector; 3] {
+    axes_along(unit([0.3, -0.5, 0.8]))
+}
+
+fn placed([x, y, z]: Vector) -> Vector {
+    let [a, b, c] = tilted();
+    along(along(along([5.0, -2.0, 1.0], x, a), y, b), z, c)
+}
+
+/// Radius of a vase at a height, with its first two derivatives.
+fn vase(h: f64) -> [f64; 3] {
+    let (sin, cos) = (1.3 * h).sin_cos();
+    [2.0 + 0.6 * sin, 0.78 * cos, -1.014 * sin]
+}
+
+fn touched_vase(count: usize, generator: &mut Lcg) -> BodySample {
+    let one = |_| {
+        let (sin, cos) = (std::f64::consts::TAU * generator.uniform()).sin_cos();
+        let h = 5.0 * generator.uniform() - 2.5;
+        let rho = vase(h)[0] + 0.005 * gaussian(generator);
+        placed([rho * cos, rho * sin, h])
+    };
+    BodySample::new(&(0..count).map(one).collect::<Vec<Vector>>(), &[], [0.0; 2]).unwrap()
+}
+
+/// An ellipse of half axes 2 and 1.2 drawn along a line, with normals.
+fn touched_tube(count: usize, generator: &mut Lcg) -> BodySample {
+    let [a, b, _] = tilted();
+    let one = |_| {
+        let (sin, cos) = (std::f64::consts::TAU * generator.uniform()).sin_cos();
+        let h = 4.0 * generator.uniform() - 2.0;
+        let normal = unit(along(a.map(|v| v * cos / 2.0), sin / 1.2, b));
+        let place = placed([2.0 * cos, 1.2 * sin, h]);
+        let off = [0, 1, 2].map(|_| 0.02 * gaussian(generator));
+        (along(place, 0.004 * gaussian(generator), normal), unit(along(normal, 1.0, off)))
+    };
+    let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..count).map(one).unzip();
+    BodySample::new(&points, &normals, [0.0; 2]).unwrap()
+}
+
+#[test]
+fn a_vase_is_turned_about_its_axis_and_bends_as_it_does() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(81);
+    let sample = touched_vase(150, &mut generator);
+    let Verdict::Free(posterior) = infer(&sample, &tuning) else { panic!("no free surface") };
+    assert_eq!(posterior.symmetry(), Symmetry::Turned);
+    let likeliest = posterior.likeliest(posterior.kind()).unwrap();
+    assert!(norm(cross(likeliest.axes[2], tilted()[2])) < 0.01, "{:?}", likeliest.axes);
+    let drawn = draws(&posterior, &tuning, 3);
+    let scale = sample.frame.scale;
+    for (k, h) in [-1.5, -0.7, 0.0, 0.8, 1.6].into_iter().enumerate() {
+        let [rho, slope, bend] = vase(h);
+        let steep = slope.hypot(1.0);
+        let truth = [-1.0 / (rho * steep), bend / steep.powi(3)];
+        let place = sample.frame.to_patch(placed([rho * (k as f64).cos(), rho * (k as f64).sin(), h]));
+        let mean = |i: usize| drawn.iter().map(|d| d.curvatures(place)[i]).sum::<f64>() / drawn.len() as f64 / scale;
+        let found = [mean(0), mean(1)];
+        let (most, least) = (truth[0].max(truth[1]), truth[0].min(truth[1]));
+        assert!((found[0] - most).abs() < 0.05 && (found[1] - least).abs() < 0.05, "{h}: {found:?} {truth:?}");
+    }
+}
+
+#[test]
+fn a_tube_of_any_section_does_not_bend_along_itself() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(82);
+    let sample = touched_tube(120, &mut generator);
+    let Verdict::Free(posterior) = infer(&sample, &tuning) else { panic!("no free surface") };
+    assert_eq!(posterior.symmetry(), Symmetry::Extruded);
+    let scale = sample.frame.scale;
+    for drawn in draws(&posterior, &tuning, 4).iter().step_by(40) {
+        let turn = drawn.share * 400.0;
+        let place = sample.frame.to_patch(placed([2.0 * turn.cos(), 1.2 * turn.sin(), 0.5]));
+        let [k1, k2] = drawn.curvatures(place).map(|k| k / scale);
+        let speed = (4.0 * turn.sin().powi(2) + 1.44 * turn.cos().powi(2)).sqrt();
+        assert!(k1.abs() < 1e-9, "{k1}");
+        assert!((k2 + 2.4 / speed.powi(3)).abs() < 0.1, "{k2}");
+    }
+}
+
+/// Gradient and Hessian of surfaces that depart in every way against differences.
+#[test]
+fn derivatives_of_a_level_set_are_those_of_its_values() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(83);
+    let sample = touched_tube(60, &mut generator);
+    let origin = sample.frame.to_patch(placed([0.0; 3]));
+    let base = |kind, sizes| Primitive { kind, origin, axes: tilted(), sizes, side: 1.0 };
+    let of = |over, base: Primitive| {
+        let (weights, sd) = (vec![1.0; sample.len()], [0.01, 0.02]);
+        let mode = Mode { primitive: base, weights, sd, likelihood: 0.0, strays: FalseContacts::None };
+        let surface = DrawnBase::of_primitive(base);
+        let linearised = LinearisedBase::of_level_set(&surface, over, &mode, &sample, &[0.4], &tuning);
+        let nodes = linearised.departed_nodes_near(0, &[8.0], &tuning);
+        DrawnBase::likeliest(nodes[0].likeliest(&base), &nodes[0])
+    };
+    let surfaces = [
+        of(DepartureOver::Space, base(PartKind::Sphere, [0.9, 0.0, 0.0])),
+        of(DepartureOver::Turned, base(PartKind::Cylinder, [0.7, 0.0, 0.0])),
+        of(DepartureOver::Turned, base(PartKind::Ellipsoid, [0.8, 0.8, 1.1])),
+        of(DepartureOver::Extruded, base(PartKind::Cylinder, [0.7, 0.0, 0.0])),
+    ];
+    let step = 1e-5;
+    for (number, surface) in surfaces.iter().enumerate() {
+        for place in sample.points.iter().step_by(7) {
+            let jet = surface.jet(*place);
+            for k in 0..3 {
+                let aside = |by: f64| surface.jet([0, 1, 2].map(|i| place[i] + if i == k { by } else { 0.0 }));
+                let (more, less) = (aside(step), aside(-step));
+                let slope = (more.value - less.value) / (2.0 * step);
+                assert!((slope - jet.gradient[k]).abs() < 1e-6 * (1.0 + slope.abs()), "{number} {k}: {slope}");
+                for i in 0..3 {
+                    let bend = (more.gradient[i] - less.gradient[i]) / (2.0 * step);
+                    assert!((bend - jet.hessian[i][k]).abs() < 1e-5 * (1.0 + bend.abs()), "{number} {k}: {bend}");
+                }
+            }
+        }
+    }
+}
+
+/// The inner side of a ring, where angles of the tube pass half a turn: its map lies where contacts do, and nowhere else.
+#[test]
+fn a_map_of_the_inside_of_a_ring_lies_where_it_was_touched() {
+    let mut generator = Lcg::new(84);
+    let torus = Primitive {
+        kind: PartKind::Torus,
+        origin: [0.0; 3],
+        axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        sizes: [1.0, 0.4, 0.0],
+        side: 1.0,
+    };
+    let one = |_| {
+        let (turn, tube) = (1.2 * generator.uniform(), std::f64::consts::PI + 1.4 * (generator.uniform() - 0.5));
+        let rho = 1.0 + 0.4 * tube.cos();
+        [rho * turn.cos(), rho * turn.sin(), 0.4 * tube.sin()]
+    };
+    let contacts: Vec<Vector> = (0..200).map(one).collect();
+    let sample = BodySample::new(&contacts, &[], [0.0; 2]).unwrap();
+    let tuning = Tuning::default();
+    let likeliest = DrawnBase::of_primitive(torus);
+    let frame = palpate_geometry::contact::Frame::IDENTITY;
+    let chart = BodyChart::new(frame, likeliest, &contacts, Vec::new(), &tuning);
+    let [lo, hi] = chart.v;
+    assert!(hi - lo < 0.4 * 1.5, "{lo} {hi}");
+    for k in 0..=10 {
+        let v = lo + (hi - lo) * f64::from(k) / 10.0;
+        let (place, _) = chart.at(0.5 * (chart.u[0] + chart.u[1]), v);
+        assert!(place[0].hypot(place[1]) < 1.0, "{place:?}");
+        let [u, again] = chart.chart_of(place);
+        assert!((again - v).abs() < 1e-9 && chart.supported_at(u, again), "{v} {again}");
+    }
+    // half a tube farther no contact is near
+    assert!(!chart.supported_at(0.0, hi + 0.5));
+    assert!(sample.len() == 200 && dot(minus(contacts[0], torus.origin), torus.axes[2]).abs() <= 0.4);
+}
