@@ -53,7 +53,9 @@ fn infer_beside(
         return Verdict::Several(things);
     }
     match (answer, free) {
-        (answer, Some(free)) if answer.is_none() || free.is_clear(tuning) => Verdict::Free(Box::new(free.found)),
+        (answer, Some(free)) if answer.as_ref().is_none_or(|one| free.is_clear(one, tuning)) => {
+            Verdict::Free(Box::new(free.found))
+        }
         (None, _) => Verdict::None,
         (Some(mut posterior), _) => {
             if sample.len() < all.len() {
@@ -84,16 +86,21 @@ impl FreeRival {
         Some(FreeRival { found, of_one })
     }
 
-    /// Whether it explains the contacts clearly better than any primitive with a departure of its own.
-    fn is_clear(&self, tuning: &Tuning) -> bool {
-        self.found.log_evidence > self.of_one + tuning.clearly
+    /// Whether it explains the contacts clearly better than any primitive with a departure of its own, and lies nearer to them: a
+    /// primitive that is as near says more.
+    fn is_clear(&self, one: &BodyPosterior, tuning: &Tuning) -> bool {
+        let of_one = one.best_of(one.kind()).map_or(f64::INFINITY, |best| best.scatter().hypot(best.departure_size()));
+        self.found.log_evidence > self.of_one + tuning.clearly && of_one > tuning.as_near * self.scatter()
+    }
+
+    fn scatter(&self) -> f64 {
+        self.found.best_of(self.found.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter)
     }
 
     /// Whether several things are as near to the contacts, and then say more, or are more probable over the contacts that it was
     /// computed from.
     fn is_less_than(&self, things: &[Thing], all: &BodySample, tuning: &Tuning) -> bool {
-        let own = self.found.best_of(self.found.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
-        if scatter(things) <= tuning.as_near * own {
+        if scatter(things) <= tuning.as_near * self.scatter() {
             return true;
         }
         let few = all.at_most(tuning.free_contacts);

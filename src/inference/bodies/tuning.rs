@@ -110,7 +110,7 @@ pub struct Tuning {
     /// Scatter over that of another explanation, below which it is far nearer: about a thing over that about what may be two, since noise is
     /// the same all over, and about a body over that about a patch.
     pub sharper: f64,
-    /// Scatter about several things over that about a free surface, up to which they are as near: of 160 contacts it is known to 6 %.
+    /// Scatter about one or several primitives over that about a free surface, up to which they are as near: of 160 contacts it is known to 6 %.
     pub as_near: f64,
     /// Share of all contacts that three things or more hold where two alone do not explain them better than one.
     pub things_hold: f64,
