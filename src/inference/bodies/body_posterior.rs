@@ -38,11 +38,9 @@ impl BodyPosterior {
         PartKind::BODIES.into_iter().max_by(|a, b| weight(a).total_cmp(&weight(b))).unwrap_or(PartKind::Plane)
     }
 
-    /// The symmetry of the likeliest surface.
+    /// The symmetry of the surface that is reported: the likeliest one of the likeliest kind.
     pub(crate) fn symmetry(&self) -> Symmetry {
-        let weight = |symmetry: &Symmetry| self.weight_of_symmetry(*symmetry);
-        let all = [Symmetry::None, Symmetry::Turned, Symmetry::Extruded];
-        all.into_iter().max_by(|a, b| weight(a).total_cmp(&weight(b))).unwrap_or(Symmetry::None)
+        self.best_of(self.kind()).map_or(Symmetry::None, BodyHypothesis::symmetry)
     }
 
     fn of_symmetry(&self, symmetry: Symmetry) -> impl Iterator<Item = (&BodyHypothesis, &f64)> {

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Over the feet nothing that lies above another place can be followed, which is why noise is told from shape; derivatives of f count along
-//! the base. In space it holds for departures as large as the body, where errors are small beside l. The places c are chosen farthest from each other among the contacts (T. Gonzalez, *Theor. Comput. Sci.* 38 (1985) 293), at least half a
-//! length apart. C. Rasmussen and C. Williams, *Gaussian Processes for Machine Learning*, section 8.3.2.
+//! the base. In space it holds for departures as large as the body, where errors are small beside l. `coordinates` says what else q may
+//! be, `kernel_layer` which places c carry it.
 
 use faer::MatMut;
 

@@ -180,7 +180,7 @@ impl<'a> LinearisedBase<'a> {
         })
     }
 
-    /// The same of all priors alike, without the ratios v that are hopeless: they are left out by a v that serves all sizes of a length.
+    /// The same, each as probable beforehand, without those that are hopeless at the ratio v of the middle size of their length.
     pub(super) fn departed_nodes_near(&self, of: usize, sizes: &[f64], tuning: &Tuning) -> Vec<BodyHypothesis> {
         let each = -((self.departed.len() * sizes.len()) as f64).ln();
         let middle = sizes.get(sizes.len() / 2).copied();

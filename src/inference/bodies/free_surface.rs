@@ -167,7 +167,7 @@ impl FreeMode {
     }
 }
 
-/// A round by which the log evidence grows less ends the search.
+/// A round by which the log evidence grows less ends the search: no weight then changes by more than a tenth.
 const SETTLED: f64 = 0.1;
 
 /// Whether a departure of the likeliest length and size tells contacts that it was not told of.

@@ -12,7 +12,7 @@ use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
 use super::body_hypothesis::BodyHypothesis;
 use super::body_posterior::BodyPosterior;
-use super::coordinates::{DepartureJet, DepartureOver};
+use super::coordinates::{DepartureJet, DepartureOver, Symmetry};
 use super::departure::DepartureProcess;
 use super::mode::is_possible;
 use super::tuning::Tuning;
@@ -106,7 +106,13 @@ impl DrawnBase {
 
     /// Whether it departs by as much as the body is large.
     pub(crate) fn is_level_set(&self) -> bool {
-        self.departure.as_ref().is_some_and(|(process, _)| process.over != DepartureOver::Feet)
+        self.symmetry().is_some()
+    }
+
+    /// In which way it is the same in many places, where it departs by as much as the body is large.
+    pub(crate) fn symmetry(&self) -> Option<Symmetry> {
+        let over = self.departure.as_ref().map(|(process, _)| process.over)?;
+        (over != DepartureOver::Feet).then(|| over.symmetry())
     }
 
     /// Principal curvatures `k1 >= k2` at the foot of a place, the normal towards the free side.

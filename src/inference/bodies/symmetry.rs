@@ -82,6 +82,7 @@ fn cylinder(sample: &BodySample, (origin, axis): (Vector, Vector)) -> Primitive 
 /// A cylinder so wide that it is as good as a plane through the contacts' middle, where they do not go round the axis.
 fn sheet((middle, axis): (Vector, Vector), narrowest: Vector) -> Option<Primitive> {
     let outwards = reject(narrowest, axis);
+    // within 30 degrees of the line it tells no side of a plane along it
     if norm(outwards) < 0.5 {
         return None;
     }

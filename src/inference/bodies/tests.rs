@@ -14,7 +14,7 @@ use palpate_numeric::draws::Lcg;
 use palpate_numeric::vector::{Vector, along, axes_along, unit};
 use statrs::function::gamma::ln_gamma;
 
-fn gaussian(generator: &mut Lcg) -> f64 {
+pub(super) fn gaussian(generator: &mut Lcg) -> f64 {
     let angle = std::f64::consts::TAU * generator.uniform();
     (-2.0 * (1.0 - generator.uniform()).ln()).sqrt() * angle.cos()
 }

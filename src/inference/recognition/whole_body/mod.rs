@@ -4,7 +4,8 @@
 //! patch refused, or bent too far, or with contacts that do not belong   ->   primitives in space (`bodies`)
 //! one primitive        the answer, read from its posterior
 //! several things       a refusal that names them, unless a patch that bends in more than one way is as good
-//! none near enough     a free surface (`bodies::free_surface`), if it tells contacts left out, else what the patch said
+//! a free surface       where it is clearly more probable than primitives, and closes, has a symmetry, or goes farther than a patch may
+//! none near enough     what the patch said
 //! ```
 
 mod answer;
@@ -82,42 +83,43 @@ pub(super) fn instead(
             body.recognition()
         }
         Verdict::Free(posterior) => {
-            // a surface of no symmetry that goes no farther round than a patch may is told by a patch, or by a field over it
-            let goes_far = doubt == PatchDoubt::AllRound || matches!(patch, Err(RecognitionError::AllAround { .. }));
-            let is_plain = posterior.symmetry() == Symmetry::None && !posterior.closes(&sample, &options.tuning);
-            if is_plain && !goes_far {
-                return patch;
-            }
-            if patch.as_ref().is_ok_and(|found| serves(found, doubt, &posterior, &sample, given, &options.tuning)) {
-                return patch;
-            }
             let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options, touches };
-            body.check_axes_of_normals()?;
-            body.recognition()
+            free_instead(patch, doubt, &body)
         }
         Verdict::None if doubt == PatchDoubt::AllRound => Err(all_around(normals)),
         Verdict::None => patch,
     }
 }
 
+/// The free surface's answer where no patch serves as well.
+fn free_instead(
+    patch: Result<Recognition, RecognitionError>,
+    doubt: PatchDoubt,
+    body: &answer::BodyAnswer,
+) -> Result<Recognition, RecognitionError> {
+    // a surface of no symmetry that goes no farther round than a patch may is told by a patch, or by a field over it
+    let goes_far = doubt == PatchDoubt::AllRound || matches!(patch, Err(RecognitionError::AllAround { .. }));
+    let closes = body.posterior.closes(body.sample, &body.options.tuning);
+    let is_plain = body.posterior.symmetry() == Symmetry::None && !closes;
+    if is_plain && !goes_far || patch.as_ref().is_ok_and(|found| serves(found, doubt, closes, body)) {
+        return patch;
+    }
+    body.check_axes_of_normals()?;
+    body.recognition()
+}
+
 /// Whether a patch tells contacts as well as a free surface that goes round a body, or as well as is asked of what goes no farther round
 /// than a patch may.
-fn serves(
-    found: &Recognition,
-    doubt: PatchDoubt,
-    free: &BodyPosterior,
-    sample: &BodySample,
-    given: &Observations,
-    tuning: &Tuning,
-) -> bool {
+fn serves(found: &Recognition, doubt: PatchDoubt, closes: bool, free: &answer::BodyAnswer) -> bool {
     match doubt {
         PatchDoubt::Kind => true,
-        PatchDoubt::Slight => !free.closes(sample, tuning),
+        PatchDoubt::Slight => !closes,
         PatchDoubt::Bent => {
-            let square: f64 = given.points.iter().map(|p| found.surface.distance(*p).powi(2)).sum();
-            let rms = (square / given.points.len() as f64).sqrt();
-            let scatter = free.best_of(free.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
-            !free.closes(sample, tuning) && sample.frame.scale * scatter > tuning.sharper * rms
+            let points = &free.given.points;
+            let square: f64 = points.iter().map(|p| found.surface.distance(*p).powi(2)).sum();
+            let rms = (square / points.len() as f64).sqrt();
+            let scatter = free.posterior.best_of(free.posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
+            !closes && free.sample.frame.scale * scatter > free.options.tuning.sharper * rms
         }
         PatchDoubt::None | PatchDoubt::AllRound | PatchDoubt::Refused => false,
     }
