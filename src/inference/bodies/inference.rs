@@ -5,7 +5,7 @@ use super::body_posterior::{BodyPosterior, most, normalised};
 use super::evidence::LinearisedBase;
 use super::free_surface::free_surface;
 use super::mode::{FalseContacts, Mode};
-use super::other_things::{Thing, scatter, several_things};
+use super::other_things::{Thing, is_simple, scatter, several_things};
 use super::sample::BodySample;
 use super::search::modes;
 use super::tuning::Tuning;
@@ -18,8 +18,9 @@ pub(crate) enum Verdict {
     One(Box<BodyPosterior>),
     /// Two primitives or more, in the sample's units.
     Several(Vec<Thing>),
-    /// A surface of no simple kind, which explains the contacts clearly better than any primitive.
-    Free(Box<BodyPosterior>),
+    /// A surface of no simple kind, which explains the contacts clearly better than any primitive, and the primitives that come near
+    /// enough all the same.
+    Free(Box<BodyPosterior>, Option<Box<BodyPosterior>>),
     /// No primitive comes near enough, and no free surface tells contacts that are left out.
     None,
 }
@@ -52,18 +53,17 @@ fn infer_beside(
     if let Some(things) = several.filter(stands) {
         return Verdict::Several(things);
     }
-    match (answer, free) {
-        (answer, Some(free)) if answer.as_ref().is_none_or(|one| free.is_clear(one, tuning)) => {
-            Verdict::Free(Box::new(free.found))
+    let free = free.filter(|free| answer.as_ref().is_none_or(|one| free.is_clear(one, tuning)));
+    let one = answer.map(|mut posterior| {
+        if sample.len() < all.len() {
+            let belonging = |of| posterior.belonging(of, all, tuning);
+            posterior.members = (0..posterior.primitives.len()).map(belonging).collect();
         }
-        (None, _) => Verdict::None,
-        (Some(mut posterior), _) => {
-            if sample.len() < all.len() {
-                let belonging = |of| posterior.belonging(of, all, tuning);
-                posterior.members = (0..posterior.primitives.len()).map(belonging).collect();
-            }
-            Verdict::One(Box::new(posterior))
-        }
+        Box::new(posterior)
+    });
+    match free {
+        Some(free) => Verdict::Free(Box::new(free.found), one),
+        None => one.map_or(Verdict::None, Verdict::One),
     }
 }
 
@@ -86,9 +86,12 @@ impl FreeRival {
         Some(FreeRival { found, of_one })
     }
 
-    /// Whether it explains the contacts clearly better than any primitive with a departure of its own, and lies nearer to them: a
-    /// primitive that is as near says more.
+    /// Whether it explains the contacts clearly better than a ring or an ellipsoid with a departure of its own, which follow anything, and
+    /// lies nearer to them: a primitive that is as near says more. A stem is a cylinder though its section is not quite round.
     fn is_clear(&self, one: &BodyPosterior, tuning: &Tuning) -> bool {
+        if is_simple(one.kind()) {
+            return false;
+        }
         let of_one = one.best_of(one.kind()).map_or(f64::INFINITY, |best| best.scatter().hypot(best.departure_size()));
         self.found.log_evidence > self.of_one + tuning.clearly && of_one > tuning.as_near * self.scatter()
     }

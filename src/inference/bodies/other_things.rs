@@ -124,7 +124,9 @@ fn next_thing(rest: &BodySample, tuning: &Tuning) -> Option<NextThing> {
     let by_gain = |a: &&(f64, &Mode), b: &&(f64, &Mode)| a.0.total_cmp(&b.0);
     let (mut gain, mut chosen) = *rated.iter().max_by(by_gain)?;
     // a ring or an ellipsoid, or whatever scatters widely, may follow two simpler things at once
-    let is_rival = |m: &Mode| is_simple(m) && (!is_simple(chosen) || m.sd[0] < tuning.sharper * chosen.sd[0]);
+    let is_rival = |m: &Mode| {
+        is_simple(m.primitive.kind) && (!is_simple(chosen.primitive.kind) || m.sd[0] < tuning.sharper * chosen.sd[0])
+    };
     let of_kind = |kind: PartKind| {
         let own = rated.iter().filter(|(_, m)| m.primitive.kind == kind && is_rival(m));
         own.max_by(by_gain)
@@ -183,8 +185,9 @@ fn may_hold_a_thing(rest: &BodySample, tuning: &Tuning) -> bool {
 /// Kinds that do not follow two things at once.
 const SIMPLE: [PartKind; 4] = [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone];
 
-fn is_simple(mode: &Mode) -> bool {
-    SIMPLE.contains(&mode.primitive.kind)
+/// Whether a kind does not follow two things at once, nor whatever smooth surface there is.
+pub(super) fn is_simple(kind: PartKind) -> bool {
+    SIMPLE.contains(&kind)
 }
 
 fn unknowns(mode: &Mode) -> usize {

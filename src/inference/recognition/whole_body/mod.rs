@@ -54,7 +54,16 @@ pub(super) fn instead(
     // a body has normals in all directions, the coarsest coordinate's among them
     let rounding = [given.rounding.position.into_iter().fold(0.0, f64::max), given.rounding.normal];
     let Some(sample) = BodySample::new(&given.points, normals, rounding) else { return patch };
-    match bodies::infer(&sample, &options.tuning) {
+    let verdict = bodies::infer(&sample, &options.tuning);
+    let verdict = match verdict {
+        Verdict::Free(free, one) => {
+            let body = answer::BodyAnswer { posterior: &free, sample: &sample, given, options, touches };
+            let stands = free_stands(&patch, doubt, &body);
+            if stands { Verdict::Free(free, None) } else { one.map_or(Verdict::None, Verdict::One) }
+        }
+        verdict => verdict,
+    };
+    match verdict {
         Verdict::None if doubt == PatchDoubt::Kind => patch,
         Verdict::Several(things) => match patch {
             Ok(found) if doubt == PatchDoubt::Kind && is_as_good(&found, &sample, &things, &options.tuning) => {
@@ -82,30 +91,23 @@ pub(super) fn instead(
             }
             body.recognition()
         }
-        Verdict::Free(posterior) => {
+        Verdict::Free(posterior, _) => {
             let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options, touches };
-            free_instead(patch, doubt, &body)
+            body.check_axes_of_normals()?;
+            body.recognition()
         }
         Verdict::None if doubt == PatchDoubt::AllRound => Err(all_around(normals)),
         Verdict::None => patch,
     }
 }
 
-/// The free surface's answer where no patch serves as well.
-fn free_instead(
-    patch: Result<Recognition, RecognitionError>,
-    doubt: PatchDoubt,
-    body: &answer::BodyAnswer,
-) -> Result<Recognition, RecognitionError> {
-    // a surface of no symmetry that goes no farther round than a patch may is told by a patch, or by a field over it
+/// Whether a free surface is the answer: it has a symmetry, closes, or goes farther round than a patch may, for what does none of that is
+/// told by a patch, or by a field over it; and no patch serves as well.
+fn free_stands(patch: &Result<Recognition, RecognitionError>, doubt: PatchDoubt, free: &answer::BodyAnswer) -> bool {
     let goes_far = doubt == PatchDoubt::AllRound || matches!(patch, Err(RecognitionError::AllAround { .. }));
-    let closes = body.posterior.closes(body.sample, &body.options.tuning);
-    let is_plain = body.posterior.symmetry() == Symmetry::None && !closes;
-    if is_plain && !goes_far || patch.as_ref().is_ok_and(|found| serves(found, doubt, closes, body)) {
-        return patch;
-    }
-    body.check_axes_of_normals()?;
-    body.recognition()
+    let closes = free.posterior.closes(free.sample, &free.options.tuning);
+    let is_plain = free.posterior.symmetry() == Symmetry::None && !closes;
+    (goes_far || !is_plain) && !patch.as_ref().is_ok_and(|found| serves(found, doubt, closes, free))
 }
 
 /// Whether a patch tells contacts as well as a free surface that goes round a body, or as well as is asked of what goes no farther round
