@@ -16,6 +16,8 @@ use statrs::function::beta::ln_beta;
 
 use super::body_hypothesis::{BodyHypothesis, moved};
 use super::coordinates::DepartureOver;
+use super::departure_kernel::DepartureKernel;
+use super::departure_reading::DepartureReading;
 use super::division::log_division;
 use super::mode::{Mode, is_possible, log_false};
 use super::posterior::DrawnBase;
@@ -67,21 +69,22 @@ impl<'a> LinearisedBase<'a> {
         LinearisedBase::of_rows(&base, primitive, (moving, prior), mode, sample, tuning)
     }
 
-    /// The equations about a surface that departs from its base by as much as the body is large, with departures of these lengths,
-    /// each carried by so many places at most. The mode's weights tell which contacts are its own.
+    /// The equations about a surface that departs from its base by as much as the body is large, with departures of these lengths
+    /// and families, each carried by so many places at most. The mode's weights tell which contacts are its own.
     pub(super) fn of_level_set(
         surface: &DrawnBase,
         over: DepartureOver,
         mode: &Mode,
         sample: &'a BodySample,
-        lengths: &[f64],
+        kernels: &[DepartureKernel],
         tuning: &Tuning,
     ) -> LinearisedBase<'a> {
         let base = BaseRows::of_level_set(surface, over, over.moving(), &mode.members(), sample);
         let prior = log_prior_of_axis(&surface.primitive, over);
         let linearised =
             LinearisedBase::of_rows(&base, surface.primitive, (over.moving(), prior), mode, sample, tuning);
-        linearised.departing_by(&base, lengths, tuning.free_broad[1], tuning.free_features)
+        let broad = DepartureKernel { apart: tuning.free_apart[0], ..DepartureKernel::gaussian(tuning.free_broad[1]) };
+        linearised.departing_by(&base, kernels, &[DepartureReading::Shape], Some(broad), tuning.free_features)
     }
 
     fn of_rows(
@@ -111,21 +114,35 @@ impl<'a> LinearisedBase<'a> {
         self
     }
 
-    /// With departures of all lengths.
+    /// With departures of all lengths, in every reading.
     pub(super) fn departing(self, tuning: &Tuning) -> LinearisedBase<'a> {
-        self.with_lengths(&tuning.lengths, tuning.most_features)
+        let readings = DepartureReading::told_by_normals(tuning.own_normals && self.rows[1] > 0.0);
+        self.reading_departures(&tuning.lengths, readings, tuning.most_features)
     }
 
-    /// With departures of these lengths, each carried by so many places at most.
+    /// With departures of shape of these lengths, each carried by so many places at most.
     pub(super) fn with_lengths(self, lengths: &[f64], most: usize) -> LinearisedBase<'a> {
+        self.reading_departures(lengths, &[DepartureReading::Shape], most)
+    }
+
+    fn reading_departures(self, lengths: &[f64], readings: &[DepartureReading], most: usize) -> LinearisedBase<'a> {
         let base = BaseRows::new(&self.primitive, &self.members, self.sample);
         // a departure that is small beside the body has no broad one
-        self.departing_by(&base, lengths, f64::INFINITY, most)
+        let gaussian: Vec<DepartureKernel> = lengths.iter().copied().map(DepartureKernel::gaussian).collect();
+        self.departing_by(&base, &gaussian, readings, None, most)
     }
 
-    fn departing_by(mut self, base: &BaseRows, lengths: &[f64], broad: f64, most: usize) -> LinearisedBase<'a> {
-        let of_length = |length: &f64| Some((*length, base.grams_with(*length, broad, most)?));
-        self.departed = lengths.iter().filter_map(of_length).collect();
+    fn departing_by(
+        mut self,
+        base: &BaseRows,
+        kernels: &[DepartureKernel],
+        readings: &[DepartureReading],
+        broad: Option<DepartureKernel>,
+        most: usize,
+    ) -> LinearisedBase<'a> {
+        let each = kernels.iter().flat_map(|of| readings.iter().map(move |reading| (*of, *reading)));
+        let with = |(of, reading): (DepartureKernel, _)| Some((of.length, base.grams_with(of, reading, broad, most)?));
+        self.departed = each.filter_map(with).collect();
         self
     }
 
@@ -167,7 +184,7 @@ impl<'a> LinearisedBase<'a> {
         found
     }
 
-    /// Nodes with departures of these sizes and of all lengths, each with a log prior.
+    /// Nodes with departures of these sizes, of all lengths and in every reading, each with a log prior and that of its reading.
     pub(super) fn departed_nodes<'b>(
         &'b self,
         of: usize,
@@ -176,7 +193,8 @@ impl<'a> LinearisedBase<'a> {
         tuning: &'b Tuning,
     ) -> impl Iterator<Item = BodyHypothesis> + 'b {
         self.departed.iter().flat_map(move |(length, grams)| {
-            sizes.iter().filter_map(move |size| self.node(of, grams, Some([*length, *size]), log_prior, tuning))
+            let prior = move |size: f64| log_prior + grams.reading.probability(size, tuning).ln();
+            sizes.iter().filter_map(move |size| self.node(of, grams, Some([*length, *size]), prior(*size), tuning))
         })
     }
 
@@ -213,6 +231,7 @@ impl<'a> LinearisedBase<'a> {
         Some(BodyHypothesis {
             of,
             departure,
+            reading: grams.reading,
             log_evidence: found.log + of_v + self.constant + log_prior,
             solution,
             moving: self.moving,

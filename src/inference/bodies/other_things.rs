@@ -186,7 +186,7 @@ fn may_hold_a_thing(rest: &BodySample, tuning: &Tuning) -> bool {
 const SIMPLE: [PartKind; 4] = [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone];
 
 /// Whether a kind does not follow two things at once, nor whatever smooth surface there is.
-pub(super) fn is_simple(kind: PartKind) -> bool {
+pub(crate) fn is_simple(kind: PartKind) -> bool {
     SIMPLE.contains(&kind)
 }
 

@@ -5,7 +5,6 @@
 //! theta = likeliest + s sqrt(nu / chi^2_nu) L^-T z         z gaussian, L the factor of the precision: Student's law of s unknown
 //! ```
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
@@ -161,20 +160,6 @@ pub(crate) struct SurfaceReading {
     pub(crate) curvatures: [f64; 2],
 }
 
-/// Probability that a departure is an error of the sensor and not shape, by its size r in standard deviations of a contact.
-///
-/// ```text
-/// error  p(r) = 2 / (pi (1 + r^2))      shared errors are as large as a contact's own, seldom far larger
-/// shape  p(r) = 1 / (r ln(most / least))     of any size
-/// ```
-fn is_sensor_error(node: &BodyHypothesis, tuning: &Tuning) -> f64 {
-    let Some([_, r]) = node.departure else { return 0.0 };
-    let ends = tuning.departures.iter().fold([f64::INFINITY, 0.0_f64], |[lo, hi], r| [lo.min(*r), hi.max(*r)]);
-    let of_error = tuning.departure_is_error * 2.0 / (PI * (1.0 + r * r));
-    let of_shape = (1.0 - tuning.departure_is_error) / (r * (ends[1] / ends[0]).ln().max(1.0));
-    of_error / (of_error + of_shape)
-}
-
 /// Draws of all kinds by their weights.
 pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Vec<DrawnBase> {
     let count = tuning.draws;
@@ -196,8 +181,8 @@ pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Ve
             let drawn = node.moved_by(&base, &step);
             // a radius below zero is no body: the likeliest stands for it
             let primitive = if is_possible(&drawn) { drawn } else { node.likeliest(&base) };
-            let as_error = if posterior.is_free { 0.0 } else { is_sensor_error(node, tuning) };
-            // draws of every node are read both ways
+            let as_error = node.departure.map_or(0.0, |[_, size]| node.reading.is_error(size, tuning));
+            // where nothing tells which it is, draws of a node are read both ways
             let is_error = evenly(found.len()) < as_error;
             let process = node.process.clone().filter(|_| !is_error);
             let departure = process.map(|process| {

@@ -12,6 +12,8 @@ use faer::{Mat, MatMut};
 
 use super::coordinates::DepartureOver;
 use super::departure::DepartureProcess;
+use super::departure_kernel::DepartureKernel;
+use super::departure_reading::DepartureReading;
 use super::mode::aligned;
 use super::sample::BodySample;
 use crate::dense;
@@ -41,6 +43,8 @@ pub(super) struct RowGrams {
     pub(super) steepness: Option<Mat<f64>>,
     /// Number of the columns w.
     pub(super) places: usize,
+    /// Whether normals follow the departure.
+    pub(super) reading: DepartureReading,
     /// What the columns w are those of.
     pub(super) process: Option<Arc<DepartureProcess>>,
 }
@@ -95,16 +99,39 @@ impl BaseRows {
     /// Without a departure.
     pub(super) fn grams(&self) -> RowGrams {
         let of = [&self.distances, &self.tangential].map(|rows| dense::gram(rows.as_ref()));
-        RowGrams { of, steepness: None, places: 0, process: None }
+        RowGrams { of, steepness: None, places: 0, reading: DepartureReading::Either, process: None }
+    }
+
+    /// Where a departure may be carried: at the contacts, and on both sides of those whose normals tell slopes, if it is as large as the
+    /// body. So many slopes are followed by so many more places.
+    fn carriers(&self, aside: f64) -> Vec<Vector> {
+        let sides = |(r, tangents): &(usize, [Vector; 2])| {
+            let place = self.places[*r];
+            tangents.map(|t| [along(place, aside, t), along(place, -aside, t)]).into_iter().flatten()
+        };
+        let told = self.across.iter().filter(|_| self.over != DepartureOver::Feet);
+        self.places.iter().copied().chain(told.flat_map(sides)).collect()
     }
 
     /// With one of a length, carried by so many places at most, and with a broad one where it is as large as the body; `None` where its
     /// places do not carry it.
-    pub(super) fn grams_with(&self, length: f64, broad: f64, most: usize) -> Option<RowGrams> {
-        let process = DepartureProcess::new(&self.places, self.over, length, most)?;
-        let process = match self.over {
-            DepartureOver::Feet => process,
-            _ => process.beside_broad(&self.places, broad, most)?,
+    pub(super) fn grams_with(
+        &self,
+        of: DepartureKernel,
+        reading: DepartureReading,
+        broad: Option<DepartureKernel>,
+        most: usize,
+    ) -> Option<RowGrams> {
+        let carriers = self.carriers(of.apart * of.length);
+        let process = DepartureProcess::new(&carriers, self.over, of, most)?;
+        // of a place with one number of its own it is not told whether that is noise
+        let numbers = self.distances.nrows() + self.tangential.nrows();
+        if self.over != DepartureOver::Feet && 2 * process.independent_places(&self.places, most) > numbers {
+            return None;
+        }
+        let process = match broad {
+            Some(broad) => process.beside_broad(&carriers, broad, most)?,
+            None => process,
         };
         let places = process.len();
         let mut distances = beside(&self.distances, places);
@@ -112,7 +139,8 @@ impl BaseRows {
         for (r, place) in self.places.iter().enumerate() {
             process.values(*place).enumerate().for_each(|(c, v)| distances[(r, c)] = -v);
         }
-        for (number, (r, tangents)) in self.across.iter().enumerate() {
+        let following = if reading == DepartureReading::SensorError { &[][..] } else { &self.across };
+        for (number, (r, tangents)) in following.iter().enumerate() {
             for (c, [a, b]) in process.slopes(self.places[*r], *tangents).enumerate() {
                 (tangential[(2 * number, c)], tangential[(2 * number + 1, c)]) = (-a, -b);
             }
@@ -129,7 +157,7 @@ impl BaseRows {
         carried(steepness.as_mut());
         let of = [distances, tangential].map(|rows| dense::gram(rows.as_ref()));
         let steepness = (!self.upward.is_empty()).then(|| dense::gram(steepness.as_ref()));
-        Some(RowGrams { of, steepness, places, process: Some(Arc::new(process)) })
+        Some(RowGrams { of, steepness, places, reading, process: Some(Arc::new(process)) })
     }
 }
 

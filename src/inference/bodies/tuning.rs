@@ -32,6 +32,8 @@ pub struct Tuning {
     /// Probability that a departure is an error of the sensor and not shape, before its size is looked at: even, since contacts of one
     /// sensor do not tell.
     pub departure_is_error: f64,
+    /// Whether normals are measured by themselves: those of a scan are computed from its places, and follow their errors.
+    pub own_normals: bool,
     /// The prior of the share of false contacts is Beta(1, this): one in twenty is expected.
     pub false_prior: f64,
     /// Largest share of false contacts: beyond it the others are the body.
@@ -49,6 +51,9 @@ pub struct Tuning {
     pub all_round: f64,
     /// Lengths of a free surface's departure from its base.
     pub free_lengths: [f64; 4],
+    /// Lengths by which the places that carry it are apart: on the way to its mode, and then where it bends evenly and where it does not. A
+    /// departure is many times the noise, and what is lost of it between the places must be less.
+    pub free_apart: [f64; 3],
     /// Sizes of that departure, in standard deviations of a single contact: up to a third of the body for the most exact sensor.
     pub free_sizes: [f64; 6],
     /// By how much the slope of an implicit surface may differ from 1 along its normal, a standard deviation: it is a distance nearby.
@@ -163,6 +168,7 @@ impl Default for Tuning {
             other_shape: [0.06, 0.1],
             other_body: 0.05,
             departure_is_error: 0.5,
+            own_normals: true,
             false_prior: 20.0,
             false_most: 0.5,
             reach: 2.0,
@@ -171,6 +177,7 @@ impl Default for Tuning {
             free_from: [20, 40],
             all_round: 0.5,
             free_lengths: [0.15, 0.3, 0.6, 1.2],
+            free_apart: [0.4, 0.2, 0.12],
             free_sizes: [8.0, 32.0, 128.0, 512.0, 2048.0, 8192.0],
             free_steepness: 0.1,
             free_broad: [2.0, 2.0],

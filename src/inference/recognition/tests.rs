@@ -377,3 +377,13 @@ fn smooth_surfaces_are_told_from_creased_ones() {
         assert!(bump > 3.0 && crease < -3.0, "{seed}: {bump} and {crease}");
     }
 }
+
+/// A sheet in waves is neither a bar nor whatever follows the contacts: S is a half to either side everywhere.
+#[test]
+fn waves_are_drawn_along_a_line() {
+    let found = recognised(&patch(|x, y| (1.2 * (0.8 * x - 0.6 * y)).sin(), 120, 0.01, 12));
+    assert_eq!(found.hypothesis, Hypothesis::Extrusion);
+    assert!(dot(found.axis.unwrap(), [0.6, 0.8, 0.0]).abs() > 0.999, "{:?}", found.axis);
+    let supported: Vec<f64> = found.map.iter().filter(|p| p.supported).filter_map(|p| p.shape_index).collect();
+    assert!(supported.len() > 20 && supported.iter().all(|s| (s.abs() - 0.5).abs() < 1e-6), "{supported:?}");
+}

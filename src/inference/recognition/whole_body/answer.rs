@@ -10,7 +10,8 @@ use super::exchanged_axes::agreeing_order;
 use super::kept_draws::{is_flat, kept_draws};
 use super::predicted_touches::predicted_over;
 use crate::bodies::{
-    BodyChart, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Symmetry, Tuning, drawn, spread,
+    BodyChart, BodyHypothesis, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Symmetry, Tuning, drawn,
+    is_simple, spread,
 };
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::recognition::contacts::Observations;
@@ -20,6 +21,7 @@ use crate::recognition::{
 };
 
 /// A posterior with what it was asked about.
+#[derive(Clone, Copy)]
 pub(super) struct BodyAnswer<'a> {
     pub(super) posterior: &'a BodyPosterior,
     pub(super) sample: &'a BodySample,
@@ -56,6 +58,30 @@ impl BodyAnswer<'_> {
     /// Probability of the likeliest kind.
     pub(super) fn probability(&self) -> f64 {
         self.posterior.weight_of(self.kind())
+    }
+
+    /// Whether it is a plane, a ball, a bar or a cone for all that it departs: a stem is a bar though its section is not quite round.
+    /// Rings and ellipsoids follow any smooth surface, and are not asked.
+    pub(super) fn is_of_simple_kind(&self) -> bool {
+        let kind = self.kind();
+        let draws = drawn(self.posterior, &self.options.tuning, self.options.seed);
+        is_simple(kind) && !self.is_free_form(self.free_form(&draws), &draws)
+    }
+
+    /// Whether draws of another shape are most of those of its kind.
+    fn is_free_form(&self, free: f64, draws: &[DrawnBase]) -> bool {
+        let of_kind: f64 = draws.iter().filter(|d| d.primitive.kind == self.kind()).map(|d| d.share).sum();
+        free > 0.5 * of_kind
+    }
+
+    /// Share of the draws whose departure makes another shape of them.
+    fn free_form(&self, draws: &[DrawnBase]) -> f64 {
+        if self.posterior.is_free { 1.0 } else { free_form(draws, &self.members(), &self.options.tuning) }
+    }
+
+    /// Contacts that are the body's own.
+    fn members(&self) -> Vec<Vector> {
+        self.posterior.members_of(self.kind()).iter().map(|&i| self.sample.points[i]).collect()
     }
 
     /// Whether the normals, where there are any, follow the body: normals at random would follow any as badly.
@@ -106,11 +132,13 @@ impl BodyAnswer<'_> {
         let turned = |primitive: Primitive| Primitive { side: side.side, ..primitive };
         let mut draws = drawn(self.posterior, &self.options.tuning, self.options.seed);
         draws.iter_mut().for_each(|d| d.primitive = turned(d.primitive));
-        let members: Vec<Vector> = self.posterior.members_of(kind).iter().map(|&i| self.sample.points[i]).collect();
-        let free = if self.posterior.is_free { 1.0 } else { free_form(&draws, &members, &self.options.tuning) };
-        let is_free = free > 0.5 * draws.iter().filter(|d| d.primitive.kind == kind).map(|d| d.share).sum::<f64>();
+        let members = self.members();
+        let free = self.free_form(&draws);
+        let is_free = self.is_free_form(free, &draws);
         let primitive = turned(likeliest);
-        let surface = match self.posterior.best_of(kind).filter(|_| is_free) {
+        // a departure that is likelier shape is shown, though the kind is still that of the primitive
+        let is_shape = |node: &&BodyHypothesis| is_free || node.departs_in_shape(&self.options.tuning);
+        let surface = match self.posterior.best_of(kind).filter(is_shape) {
             Some(node) => DrawnBase::likeliest(primitive, node),
             None => DrawnBase::of_primitive(primitive),
         };

@@ -58,7 +58,9 @@ pub(super) fn instead(
     let verdict = match verdict {
         Verdict::Free(free, one) => {
             let body = answer::BodyAnswer { posterior: &free, sample: &sample, given, options, touches };
-            let stands = free_stands(&patch, doubt, &body);
+            let simpler = one.as_deref().map(|posterior| answer::BodyAnswer { posterior, ..body });
+            let is_of_kind = simpler.is_some_and(|one| one.is_of_simple_kind());
+            let stands = !is_of_kind && free_stands(&patch, doubt, &body);
             if stands { Verdict::Free(free, None) } else { one.map_or(Verdict::None, Verdict::One) }
         }
         verdict => verdict,
@@ -111,18 +113,22 @@ fn free_stands(patch: &Result<Recognition, RecognitionError>, doubt: PatchDoubt,
 }
 
 /// Whether a patch tells contacts as well as a free surface that goes round a body, or as well as is asked of what goes no farther round
-/// than a patch may.
+/// than a patch may. A symmetry that is certain says more than a patch that lies farther from the contacts, by a little where the patch only
+/// follows them and by much where it is of a kind.
 fn serves(found: &Recognition, doubt: PatchDoubt, closes: bool, free: &answer::BodyAnswer) -> bool {
+    let (points, tuning) = (&free.given.points, &free.options.tuning);
+    let square: f64 = points.iter().map(|p| found.surface.distance(*p).powi(2)).sum();
+    let rms = (square / points.len() as f64).sqrt();
+    let scatter = free.posterior.best_of(free.posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
+    let is_farther = |times: f64| times * free.sample.frame.scale * scatter <= rms;
+    let far = 1.0 / tuning.sharper;
+    let is_symmetric = free.posterior.weight_of_symmetry(Symmetry::None) < 1.0 - tuning.certain;
+    let follows = found.hypothesis == Hypothesis::Displaced;
+    let says_less = is_symmetric && is_farther(if follows { tuning.as_near } else { far });
     match doubt {
-        PatchDoubt::Kind => true,
-        PatchDoubt::Slight => !closes,
-        PatchDoubt::Bent => {
-            let points = &free.given.points;
-            let square: f64 = points.iter().map(|p| found.surface.distance(*p).powi(2)).sum();
-            let rms = (square / points.len() as f64).sqrt();
-            let scatter = free.posterior.best_of(free.posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
-            !closes && free.sample.frame.scale * scatter > free.options.tuning.sharper * rms
-        }
+        PatchDoubt::Kind => !says_less,
+        PatchDoubt::Slight => !closes && !says_less,
+        PatchDoubt::Bent => !closes && !is_farther(far),
         PatchDoubt::None | PatchDoubt::AllRound | PatchDoubt::Refused => false,
     }
 }
