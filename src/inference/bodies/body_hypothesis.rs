@@ -75,9 +75,20 @@ impl BodyHypothesis {
         self.departure_rms
     }
 
+    /// With the prior of how its departure is read.
+    pub(super) fn weighed_by_reading(mut self, tuning: &Tuning) -> BodyHypothesis {
+        self.log_evidence += self.departure.map_or(0.0, |[_, size]| self.reading.prior(size, tuning).ln());
+        self
+    }
+
+    /// Probability that its departure is an error of the sensor; 0 without one.
+    pub(super) fn is_error(&self, tuning: &Tuning) -> f64 {
+        self.departure.map_or(0.0, |[_, size]| self.reading.is_error(size, tuning))
+    }
+
     /// Whether its departure is likelier shape than an error of the sensor.
     pub(crate) fn departs_in_shape(&self, tuning: &Tuning) -> bool {
-        self.departure.is_some_and(|[_, size]| self.reading.is_error(size, tuning) < 0.5)
+        self.departure.is_some() && self.is_error(tuning) < 0.5
     }
 
     /// Length of the departure.

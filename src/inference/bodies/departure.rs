@@ -14,7 +14,7 @@ use faer::MatMut;
 
 use super::coordinates::{DepartureJet, DepartureOver};
 use super::departure_kernel::DepartureKernel;
-use super::kernel_layer::{KernelLayer, spread};
+use super::kernel_layer::KernelLayer;
 use crate::primitives::placed::Primitive;
 use palpate_numeric::vector::Vector;
 
@@ -53,11 +53,6 @@ impl DepartureProcess {
     /// How alike its values are at two places, without the broad one.
     pub(super) fn kernel(&self) -> DepartureKernel {
         self.own.kernel()
-    }
-
-    /// How many of some places are at least its length apart.
-    pub(super) fn independent_places(&self, at: &[Vector], most: usize) -> usize {
-        spread(at, self.kernel().length, most).len()
     }
 
     fn layers(&self) -> impl Iterator<Item = &KernelLayer> {

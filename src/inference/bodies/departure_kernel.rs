@@ -8,9 +8,6 @@
 //!
 //! C. Rasmussen and C. Williams, *Gaussian Processes for Machine Learning*, section 4.2.
 
-/// Places nearer than this many lengths tell nothing that their neighbour does not, where the departure is small beside the body.
-const APART: f64 = 0.7;
-
 /// How evenly a departure bends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum KernelFamily {
@@ -28,9 +25,8 @@ pub(super) struct DepartureKernel {
 }
 
 impl DepartureKernel {
-    /// Of a departure that is small beside the body.
-    pub(super) fn gaussian(length: f64) -> DepartureKernel {
-        DepartureKernel { family: KernelFamily::Gaussian, length, apart: APART }
+    pub(super) fn gaussian(length: f64, apart: f64) -> DepartureKernel {
+        DepartureKernel { family: KernelFamily::Gaussian, length, apart }
     }
 
     /// The value k at a squared distance, k' / r and (k' / r)' / r.
@@ -57,7 +53,7 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_the_values() {
         for family in [KernelFamily::Gaussian, KernelFamily::Matern] {
-            let known = DepartureKernel { family, length: 0.7, apart: APART };
+            let known = DepartureKernel { family, length: 0.7, apart: 0.4 };
             for r in [0.1_f64, 0.4, 1.3, 2.5] {
                 let step = 1e-5;
                 let over_r = |k: usize| {
@@ -73,7 +69,7 @@ mod tests {
 
     #[test]
     fn slopes_of_both_have_the_same_variance() {
-        let at_none = |family| DepartureKernel { family, length: 0.7, apart: APART }.at(0.0)[1];
+        let at_none = |family| DepartureKernel { family, length: 0.7, apart: 0.4 }.at(0.0)[1];
         assert!((at_none(KernelFamily::Gaussian) - at_none(KernelFamily::Matern)).abs() < 1e-12);
     }
 }

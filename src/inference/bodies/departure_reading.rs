@@ -5,8 +5,13 @@
 //! shape  p(r) = 1 / (r ln(most / least))     of any size
 //! ```
 //!
-//! Measured normals follow a shape and not an error of the places, which is then a hypothesis of its own. Normals that were computed from the
-//! places follow both, so that size still decides where they follow.
+//! Normals that were measured by themselves, as they are with probability m, follow a shape and not an error of the places. Those that were
+//! computed from the places follow both.
+//!
+//! ```text
+//! prior                  normals do not follow: m e        they do: 1 - m e          e = p(error) / (p(error) + p(shape))
+//! error, given that      1                                 (1 - m) e / (1 - m e)     without normals: e
+//! ```
 
 use std::f64::consts::PI;
 
@@ -15,34 +20,35 @@ use super::tuning::Tuning;
 /// What a departure is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DepartureReading {
-    /// A free surface's.
+    /// Shape, for certain.
     Shape,
-    /// An error that neighbours share, and that normals do not follow.
+    /// Shape or error: there are no normals.
+    Untold,
+    /// Shape, or an error of the places that the normals were computed from.
+    Followed,
+    /// An error of the places that normals do not follow.
     SensorError,
-    /// Normals follow it, if there are any.
-    Either,
 }
 
 impl DepartureReading {
-    /// Those that are hypotheses of their own.
-    pub(super) fn told_by_normals(normals: bool) -> &'static [DepartureReading] {
-        if normals { &[DepartureReading::Either, DepartureReading::SensorError] } else { &[DepartureReading::Either] }
-    }
-
-    /// What it is weighed with beforehand, of a departure of some size: of error as of one that normals do not follow.
-    pub(super) fn probability(self, size: f64, tuning: &Tuning) -> f64 {
+    /// Its prior, of a departure of some size.
+    pub(super) fn prior(self, size: f64, tuning: &Tuning) -> f64 {
+        let apart = tuning.own_normals * of_error(size, tuning);
         match self {
-            DepartureReading::SensorError => of_error(size, tuning),
-            DepartureReading::Shape | DepartureReading::Either => 1.0,
+            DepartureReading::Shape | DepartureReading::Untold => 1.0,
+            DepartureReading::Followed => 1.0 - apart,
+            DepartureReading::SensorError => apart,
         }
     }
 
-    /// Probability that it is an error of the sensor where it is this.
+    /// Probability that it is an error where it is this.
     pub(super) fn is_error(self, size: f64, tuning: &Tuning) -> f64 {
+        let (error, own) = (of_error(size, tuning), tuning.own_normals);
         match self {
             DepartureReading::Shape => 0.0,
+            DepartureReading::Untold => error,
+            DepartureReading::Followed => (1.0 - own) * error / (1.0 - own * error),
             DepartureReading::SensorError => 1.0,
-            DepartureReading::Either => of_error(size, tuning),
         }
     }
 }

@@ -17,7 +17,6 @@ use statrs::function::beta::ln_beta;
 use super::body_hypothesis::{BodyHypothesis, moved};
 use super::coordinates::DepartureOver;
 use super::departure_kernel::DepartureKernel;
-use super::departure_reading::DepartureReading;
 use super::division::log_division;
 use super::mode::{Mode, is_possible, log_false};
 use super::posterior::DrawnBase;
@@ -56,8 +55,8 @@ pub(super) struct LinearisedBase<'a> {
     pub(super) steep: f64,
     pub(super) broad: f64,
     plain: RowGrams,
-    /// By length.
-    departed: Vec<(f64, RowGrams)>,
+    /// With departures.
+    departed: Vec<RowGrams>,
 }
 
 impl<'a> LinearisedBase<'a> {
@@ -83,8 +82,8 @@ impl<'a> LinearisedBase<'a> {
         let prior = log_prior_of_axis(&surface.primitive, over);
         let linearised =
             LinearisedBase::of_rows(&base, surface.primitive, (over.moving(), prior), mode, sample, tuning);
-        let broad = DepartureKernel { apart: tuning.free_apart[0], ..DepartureKernel::gaussian(tuning.free_broad[1]) };
-        linearised.departing_by(&base, kernels, &[DepartureReading::Shape], Some(broad), tuning.free_features)
+        let broad = DepartureKernel::gaussian(tuning.free_broad[1], tuning.free_apart[0]);
+        linearised.departing_by(&base, kernels, Some(broad), tuning.free_features)
     }
 
     fn of_rows(
@@ -114,35 +113,32 @@ impl<'a> LinearisedBase<'a> {
         self
     }
 
-    /// With departures of all lengths, in every reading.
+    /// With departures of all lengths, and with those that normals do not follow.
     pub(super) fn departing(self, tuning: &Tuning) -> LinearisedBase<'a> {
-        let readings = DepartureReading::told_by_normals(tuning.own_normals && self.rows[1] > 0.0);
-        self.reading_departures(&tuning.lengths, readings, tuning.most_features)
+        let mut found = self.with_lengths(&tuning.lengths, tuning.most_features, tuning);
+        if tuning.own_normals > 0.0 && found.rows[1] > 0.0 {
+            let unfollowed: Vec<RowGrams> = found.departed.iter().map(|g| g.unfollowed(&found.plain)).collect();
+            found.departed.extend(unfollowed);
+        }
+        found
     }
 
-    /// With departures of shape of these lengths, each carried by so many places at most.
-    pub(super) fn with_lengths(self, lengths: &[f64], most: usize) -> LinearisedBase<'a> {
-        self.reading_departures(lengths, &[DepartureReading::Shape], most)
-    }
-
-    fn reading_departures(self, lengths: &[f64], readings: &[DepartureReading], most: usize) -> LinearisedBase<'a> {
+    /// With departures of these lengths, each carried by so many places at most.
+    pub(super) fn with_lengths(self, lengths: &[f64], most: usize, tuning: &Tuning) -> LinearisedBase<'a> {
         let base = BaseRows::new(&self.primitive, &self.members, self.sample);
+        let kernel = |length: &f64| DepartureKernel::gaussian(*length, tuning.apart);
         // a departure that is small beside the body has no broad one
-        let gaussian: Vec<DepartureKernel> = lengths.iter().copied().map(DepartureKernel::gaussian).collect();
-        self.departing_by(&base, &gaussian, readings, None, most)
+        self.departing_by(&base, &lengths.iter().map(kernel).collect::<Vec<DepartureKernel>>(), None, most)
     }
 
     fn departing_by(
         mut self,
         base: &BaseRows,
         kernels: &[DepartureKernel],
-        readings: &[DepartureReading],
         broad: Option<DepartureKernel>,
         most: usize,
     ) -> LinearisedBase<'a> {
-        let each = kernels.iter().flat_map(|of| readings.iter().map(move |reading| (*of, *reading)));
-        let with = |(of, reading): (DepartureKernel, _)| Some((of.length, base.grams_with(of, reading, broad, most)?));
-        self.departed = each.filter_map(with).collect();
+        self.departed = kernels.iter().filter_map(|of| base.grams_with(*of, broad, most)).collect();
         self
     }
 
@@ -180,11 +176,12 @@ impl<'a> LinearisedBase<'a> {
         let mut found: Vec<BodyHypothesis> = Vec::new();
         found.extend(self.node(of, &self.plain, None, tuning.exact.ln(), tuning));
         let each = ((1.0 - tuning.exact) / (tuning.lengths.len() * tuning.departures.len()) as f64).ln();
-        found.extend(self.departed_nodes(of, &tuning.departures, each, tuning));
+        let departed = self.departed_nodes(of, &tuning.departures, each, tuning);
+        found.extend(departed.map(|node| node.weighed_by_reading(tuning)));
         found
     }
 
-    /// Nodes with departures of these sizes, of all lengths and in every reading, each with a log prior and that of its reading.
+    /// Nodes with departures of these sizes and of all lengths, each with a log prior.
     pub(super) fn departed_nodes<'b>(
         &'b self,
         of: usize,
@@ -192,9 +189,8 @@ impl<'a> LinearisedBase<'a> {
         log_prior: f64,
         tuning: &'b Tuning,
     ) -> impl Iterator<Item = BodyHypothesis> + 'b {
-        self.departed.iter().flat_map(move |(length, grams)| {
-            let prior = move |size: f64| log_prior + grams.reading.probability(size, tuning).ln();
-            sizes.iter().filter_map(move |size| self.node(of, grams, Some([*length, *size]), prior(*size), tuning))
+        self.departed.iter().flat_map(move |grams| {
+            sizes.iter().filter_map(move |size| self.node(of, grams, Some(*size), log_prior, tuning))
         })
     }
 
@@ -202,26 +198,25 @@ impl<'a> LinearisedBase<'a> {
     pub(super) fn departed_nodes_near(&self, of: usize, sizes: &[f64], tuning: &Tuning) -> Vec<BodyHypothesis> {
         let each = -((self.departed.len() * sizes.len()) as f64).ln();
         let middle = sizes.get(sizes.len() / 2).copied();
-        let mut rough: Vec<(f64, f64, &RowGrams, f64)> = Vec::new();
-        for (length, grams) in &self.departed {
+        let mut rough: Vec<(f64, &RowGrams, f64)> = Vec::new();
+        for grams in &self.departed {
             let v = if self.rows[1] > 0.0 { self.ratio(grams, middle, tuning).0.exp() } else { 1.0 };
-            let of_size = |size: &f64| Some((self.factored(grams, Some(*size), v)?.log, *length, grams, *size));
+            let of_size = |size: &f64| Some((self.factored(grams, Some(*size), v)?.log, grams, *size));
             rough.extend(sizes.iter().filter_map(of_size));
         }
         let most = rough.iter().map(|(log, ..)| *log).fold(f64::NEG_INFINITY, f64::max);
         let near = rough.into_iter().filter(|(log, ..)| *log > most - tuning.hopeless[1]);
-        near.filter_map(|(_, length, grams, size)| self.node(of, grams, Some([length, size]), each, tuning)).collect()
+        near.filter_map(|(_, grams, size)| self.node(of, grams, Some(size), each, tuning)).collect()
     }
 
     fn node(
         &self,
         of: usize,
         grams: &RowGrams,
-        departure: Option<[f64; 2]>,
+        size: Option<f64>,
         log_prior: f64,
         tuning: &Tuning,
     ) -> Option<BodyHypothesis> {
-        let size = departure.map(|[_, size]| size);
         let (best, of_v) = if self.rows[1] > 0.0 { self.ratio(grams, size, tuning) } else { (0.0, 0.0) };
         let found = self.factored(grams, size, best.exp())?;
         let sd = (found.sum / self.freedom()).sqrt();
@@ -230,7 +225,7 @@ impl<'a> LinearisedBase<'a> {
         let departure_rms = (grams.departure_square(&solution).unwrap_or(0.0) / self.rows[0].max(1.0)).sqrt();
         Some(BodyHypothesis {
             of,
-            departure,
+            departure: grams.length().zip(size).map(|(length, size)| [length, size]),
             reading: grams.reading,
             log_evidence: found.log + of_v + self.constant + log_prior,
             solution,
@@ -290,7 +285,7 @@ impl<'a> LinearisedBase<'a> {
             self.factored(grams, size, v).map_or(f64::NEG_INFINITY, |found| found.log)
         };
         let largest = tuning.departures.iter().copied().fold(0.0, f64::max);
-        let departed = self.departed.iter().map(|(_, g)| of(g, Some(largest)).max(of(g, Some(0.1 * largest))));
+        let departed = self.departed.iter().map(|g| of(g, Some(largest)).max(of(g, Some(0.1 * largest))));
         self.constant + departed.fold(of(&self.plain, None), f64::max)
     }
 }

@@ -66,7 +66,7 @@ pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPost
 
 /// By which a mode is found.
 fn gaussian(lengths: &[f64], apart: f64) -> Vec<DepartureKernel> {
-    lengths.iter().map(|length| DepartureKernel { apart, ..DepartureKernel::gaussian(*length) }).collect()
+    lengths.iter().map(|length| DepartureKernel::gaussian(*length, apart)).collect()
 }
 
 /// By which it is then known: what bends evenly, and what does not.

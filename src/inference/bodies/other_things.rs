@@ -87,7 +87,8 @@ pub(crate) fn scatter(things: &[Thing]) -> f64 {
 /// Log evidence of one smooth surface of any shape over the primitive next to all contacts, the best of its lengths and sizes.
 fn of_smooth(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> f64 {
     let Some(base) = next_to_all(known.iter()) else { return f64::NEG_INFINITY };
-    let linearised = LinearisedBase::new(base, sample, tuning).with_lengths(&tuning.free_lengths, tuning.free_features);
+    let linearised = LinearisedBase::new(base, sample, tuning);
+    let linearised = linearised.with_lengths(&tuning.free_lengths, tuning.free_features, tuning);
     let nodes = linearised.departed_nodes(0, &tuning.free_sizes, 0.0, tuning);
     nodes.map(|node| node.log_evidence).fold(f64::NEG_INFINITY, f64::max)
 }

@@ -181,9 +181,8 @@ pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Ve
             let drawn = node.moved_by(&base, &step);
             // a radius below zero is no body: the likeliest stands for it
             let primitive = if is_possible(&drawn) { drawn } else { node.likeliest(&base) };
-            let as_error = node.departure.map_or(0.0, |[_, size]| node.reading.is_error(size, tuning));
             // where nothing tells which it is, draws of a node are read both ways
-            let is_error = evenly(found.len()) < as_error;
+            let is_error = evenly(found.len()) < node.is_error(tuning);
             let process = node.process.clone().filter(|_| !is_error);
             let departure = process.map(|process| {
                 let coefficients = process.coefficients(&step[..weights]);

@@ -4,6 +4,7 @@ use super::chart::BodyChart;
 use super::coordinates::{DepartureOver, Symmetry};
 use super::departure_kernel::DepartureKernel;
 use super::evidence::LinearisedBase;
+use super::free_surface::free_surface;
 use super::inference::{Verdict, infer};
 use super::mode::{FalseContacts, Mode};
 use super::posterior::{DrawnBase, draws, spread};
@@ -12,7 +13,7 @@ use super::tests::gaussian;
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::draws::Lcg;
-use palpate_numeric::vector::{Vector, along, axes_along, cross, norm, unit};
+use palpate_numeric::vector::{Vector, along, axes_along, cross, dot, norm, unit};
 
 /// Axes that are none of the coordinates'.
 fn tilted() -> [Vector; 3] {
@@ -141,7 +142,7 @@ fn derivatives_of_a_level_set_are_those_of_its_values() {
             over,
             &mode,
             &sample,
-            &[DepartureKernel { apart: 0.2, ..DepartureKernel::gaussian(0.4) }],
+            &[DepartureKernel::gaussian(0.4, 0.2)],
             &tuning,
         );
         let nodes = linearised.departed_nodes_near(0, &[8.0], &tuning);
@@ -203,4 +204,66 @@ fn a_map_of_the_inside_of_a_ring_lies_where_it_was_touched() {
     }
     // half a tube farther no contact is near
     assert!(!chart.supported_at(0.0, hi + 0.5));
+}
+
+/// A body with a neck, closed at both ends: half axis, radius of each of two rods with round ends.
+const RODS: [([f64; 2], f64); 2] = [([-1.4, 0.6], 1.4), ([0.6, 3.0], 0.6)];
+
+/// Distance from the outside of a rod along the third axis, and the direction away from it.
+fn beside_rod(p: Vector, ([lo, hi], radius): ([f64; 2], f64)) -> (f64, Vector) {
+    let from = [p[0], p[1], p[2] - p[2].clamp(lo, hi)];
+    (norm(from) - radius, unit(from))
+}
+
+/// Steps to the surface from the base of its map may end inside the body, where F is 0 for no contact: no such place is said to be known.
+#[test]
+fn a_map_of_a_bottle_faces_outwards() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(89);
+    let (mut points, mut normals) = (Vec::new(), Vec::new());
+    while points.len() < 150 {
+        let ends = RODS[usize::from(generator.uniform() < 0.3)];
+        let ([lo, hi], radius) = ends;
+        let normal = unit([0, 1, 2].map(|_| gaussian(&mut generator)));
+        let h = lo + (hi - lo) * generator.uniform();
+        let middle = if normal[2].abs() < 0.6 {
+            h
+        } else if normal[2] > 0.0 {
+            hi
+        } else {
+            lo
+        };
+        let rim = along([0.0, 0.0, middle], radius + 0.005 * gaussian(&mut generator), normal);
+        let side = unit([normal[0], normal[1], 0.0]);
+        let (place, normal) =
+            if normal[2].abs() < 0.6 { (along([0.0, 0.0, h], radius, side), side) } else { (rim, normal) };
+        if RODS.iter().all(|rod| beside_rod(place, *rod).0 > -0.05) {
+            points.push(placed(place));
+            let off = [0, 1, 2].map(|_| 0.03 * gaussian(&mut generator));
+            normals.push(unit(
+                tilted().iter().zip(along(normal, 1.0, off)).fold([0.0; 3], |n, (axis, by)| along(n, by, *axis)),
+            ));
+        }
+    }
+    let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
+    let posterior = free_surface(&sample, &tuning).unwrap();
+    let kind = posterior.kind();
+    let surface = DrawnBase::likeliest(posterior.likeliest(kind).unwrap(), posterior.best_of(kind).unwrap());
+    let members: Vec<Vector> = posterior.members_of(kind).iter().map(|i| sample.points[*i]).collect();
+    let chart = BodyChart::new(sample.frame, surface, &members, Vec::new(), &tuning);
+    let (mut known, mut inwards) = (0, 0);
+    for cell in 0..24 * 24 {
+        let [u, v] =
+            [(chart.u, cell % 24), (chart.v, cell / 24)].map(|([lo, hi], k)| lo + (hi - lo) * f64::from(k) / 23.0);
+        if chart.supported_at(u, v) {
+            let (place, normal) = chart.at(u, v);
+            let from = [0, 1, 2].map(|k| place[k] - placed([0.0; 3])[k]);
+            let own = tilted().map(|axis| dot(axis, from));
+            let nearest = RODS.map(|rod| beside_rod(own, rod)).into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+            let outwards = tilted().iter().zip(nearest.1).map(|(axis, by)| by * dot(*axis, normal)).sum::<f64>();
+            known += 1;
+            inwards += usize::from(outwards < 0.0);
+        }
+    }
+    assert!(known > 150 && inwards == 0, "{inwards} of {known}");
 }

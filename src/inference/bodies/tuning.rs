@@ -17,6 +17,8 @@ pub struct Tuning {
     /// Lengths of departures from a primitive, in root mean square distances of the contacts from their middle: from half the body
     /// to a tenth of it.
     pub lengths: [f64; 3],
+    /// Lengths by which the places that carry a departure are apart: nearer ones tell nothing that their neighbour does not.
+    pub apart: f64,
     /// Sizes of departures, in standard deviations of a single contact. Octaves of four: evidence is a smooth function of their logarithm.
     pub departures: [f64; 4],
     /// Prior probability of no departure at all.
@@ -32,8 +34,9 @@ pub struct Tuning {
     /// Probability that a departure is an error of the sensor and not shape, before its size is looked at: even, since contacts of one
     /// sensor do not tell.
     pub departure_is_error: f64,
-    /// Whether normals are measured by themselves: those of a scan are computed from its places, and follow their errors.
-    pub own_normals: bool,
+    /// Probability that normals were measured by themselves, and not computed from the places, whose errors they then follow: a file does
+    /// not tell.
+    pub own_normals: f64,
     /// The prior of the share of false contacts is Beta(1, this): one in twenty is expected.
     pub false_prior: f64,
     /// Largest share of false contacts: beyond it the others are the body.
@@ -162,13 +165,14 @@ impl Default for Tuning {
         Tuning {
             kinds: [1.0; 6],
             lengths: [0.2, 0.45, 1.0],
+            apart: 0.7,
             departures: [0.5, 2.0, 8.0, 32.0],
             exact: 0.5,
             log_ratio: [-1.0, 1.6],
             other_shape: [0.06, 0.1],
             other_body: 0.05,
             departure_is_error: 0.5,
-            own_normals: true,
+            own_normals: 0.5,
             false_prior: 20.0,
             false_most: 0.5,
             reach: 2.0,

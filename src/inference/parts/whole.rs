@@ -60,7 +60,8 @@ impl Partition {
 pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Partition> {
     let normals: &[Vector] = if measured { &cloud.normals } else { &[] };
     let sample = BodySample::new(&cloud.points, normals, [0.0; 2])?;
-    let tuning = Tuning { own_normals: false, ..Tuning::default() };
+    // normals of a scan are computed from its places
+    let tuning = Tuning { own_normals: 0.0, ..Tuning::default() };
     let mut things: Vec<Thing> = match bodies::infer_primitives(&sample.at_most(LOOKED_AT), &tuning) {
         Verdict::One(posterior) => {
             let kind = posterior.kind();

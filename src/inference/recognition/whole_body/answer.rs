@@ -1,24 +1,46 @@
 //! The posterior of a body as a recognition: every number is read from the same weighted draws.
 
 use palpate_geometry::contact::Frame;
-use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
+use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::vector::{Vector, cross, dot, norm, reject, unit_or_zero};
 
 use super::drawn_map::DrawnMap;
+use super::drawn_shapes::{classes, free_form, mean_curvatures, variation};
 use super::exchanged_axes::agreeing_order;
 use super::kept_draws::{is_flat, kept_draws};
 use super::predicted_touches::predicted_over;
 use crate::bodies::{
-    BodyChart, BodyHypothesis, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Symmetry, Tuning, drawn,
-    is_simple, spread,
+    BodyChart, BodyHypothesis, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Symmetry, drawn, is_simple,
+    spread,
 };
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::recognition::contacts::Observations;
 use crate::recognition::{
-    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSurface, Recognition, RecognitionError,
+    Estimate, Hypothesis, Misfit, NoiseFound, NormalsUse, RecognisedSurface, Recognition, RecognitionError,
     RecognitionOptions, Remark, Tried,
 };
+
+/// What is asked about contacts.
+#[derive(Clone, Copy)]
+pub(super) struct BodyQuestion<'a> {
+    pub(super) sample: &'a BodySample,
+    pub(super) given: &'a Observations,
+    pub(super) options: &'a RecognitionOptions,
+    /// Places of the input's x and y at which touches are predicted.
+    pub(super) touches: &'a [[f64; 2]],
+}
+
+impl<'a> BodyQuestion<'a> {
+    /// With a posterior that answers it.
+    pub(super) fn of<'b>(self, posterior: &'b BodyPosterior) -> BodyAnswer<'b>
+    where
+        'a: 'b,
+    {
+        let BodyQuestion { sample, given, options, touches } = self;
+        BodyAnswer { posterior, sample, given, options, touches }
+    }
+}
 
 /// A posterior with what it was asked about.
 #[derive(Clone, Copy)]
@@ -97,6 +119,15 @@ impl BodyAnswer<'_> {
         let pair = |i: &usize| Some((self.sample.normal(*i)?, likeliest.nearest(self.sample.points[*i]).1));
         let pairs: Vec<(Vector, Vector)> = self.posterior.members_of(self.kind()).iter().filter_map(pair).collect();
         agreeing_order(&pairs).map_or(Ok(()), |order| Err(RecognitionError::NormalsExchanged { order }))
+    }
+
+    /// The whole answer, if its axes are those of the normals.
+    ///
+    /// # Errors
+    /// Those of [`BodyAnswer::check_axes_of_normals`] and [`BodyAnswer::recognition`].
+    pub(super) fn checked(&self) -> Result<Recognition, RecognitionError> {
+        self.check_axes_of_normals()?;
+        self.recognition()
     }
 
     /// What tells the free side: a viewpoint, most of the normals, or a direction.
@@ -352,76 +383,6 @@ impl BodyAnswer<'_> {
         }
         notes
     }
-}
-
-/// Means of S (0 on a plane) and R over places; `None` where one is not finite.
-fn mean_shape(drawn: &DrawnBase, places: &[Vector]) -> Option<[f64; 2]> {
-    let mut sums = [0.0; 2];
-    for place in places {
-        let [k1, k2] = drawn.curvatures(*place);
-        sums[0] += shape_index(k1 + k2, k1 - k2).unwrap_or(0.0);
-        sums[1] += curvedness(k1, k2);
-    }
-    let means = sums.map(|sum| sum / places.len() as f64);
-    means.iter().all(|v| v.is_finite()).then_some(means)
-}
-
-fn mean_curvatures(drawn: &DrawnBase, places: &[Vector]) -> [f64; 2] {
-    let count = places.len().max(1) as f64;
-    let each = places.iter().map(|place| drawn.curvatures(*place));
-    each.fold([0.0; 2], |sum, k| [0, 1].map(|i| sum[i] + k[i] / count))
-}
-
-/// Standard deviations of S and R over the supported points of a map: 0 where they differ by rounding alone.
-fn variation(map: &[MapPoint]) -> [f64; 2] {
-    let over = |value: fn(&MapPoint) -> f64| {
-        let values: Vec<f64> = map.iter().filter(|p| p.supported).map(value).filter(|v| v.is_finite()).collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let sd = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt();
-        if sd > 1e-9 * mean.abs() { sd } else { 0.0 }
-    };
-    [over(|p| p.shape_index.unwrap_or(f64::NAN)), over(|p| p.curvedness)]
-}
-
-/// Contacts at which a drawn surface is compared with its primitive.
-const COMPARED: usize = 32;
-
-/// Share of the draws whose departure makes another shape of them.
-fn free_form(draws: &[DrawnBase], members: &[Vector], tuning: &Tuning) -> f64 {
-    let step = members.len().div_ceil(COMPARED).max(1);
-    let places: Vec<Vector> = members.iter().step_by(step).copied().collect();
-    let [of_s, of_r] = tuning.other_shape;
-    let is_other = |drawn: &&DrawnBase| {
-        let base = DrawnBase::of_primitive(drawn.primitive);
-        match (drawn.departs(), mean_shape(drawn, &places), mean_shape(&base, &places)) {
-            (true, Some(own), Some(mean)) => {
-                let away = places.iter().map(|p| (drawn.distance(*p) - base.distance(*p)).powi(2)).sum::<f64>();
-                (own[0] - mean[0]).abs() > of_s
-                    || (own[1] - mean[1]).abs() > of_r * mean[1].max(own[1])
-                    || away > tuning.other_body.powi(2) * places.len() as f64
-            }
-            _ => false,
-        }
-    };
-    draws.iter().filter(is_other).map(|d| d.share).sum()
-}
-
-/// Shares of the draws in every class.
-fn classes(draws: &[DrawnBase], shapes: &[Option<[f64; 2]>]) -> Vec<(ShapeClass, f64)> {
-    let mut found: Vec<(ShapeClass, f64)> = Vec::new();
-    for (drawn, shape) in draws.iter().zip(shapes) {
-        let Some([s, ..]) = shape else { continue };
-        let flat = is_flat(drawn);
-        let class = if flat { ShapeClass::Plane } else { ShapeClass::of_shape_index(*s) };
-        match found.iter_mut().find(|(known, _)| *known == class) {
-            Some((_, sum)) => *sum += drawn.share,
-            None => found.push((class, drawn.share)),
-        }
-    }
-    let all: f64 = found.iter().map(|(_, p)| p).sum();
-    found.iter_mut().for_each(|(_, p)| *p /= all);
-    found.sort_by(|a, b| b.1.total_cmp(&a.1));
-    found
 }
 
 /// The frame whose third axis is the normal in the middle of the chart.

@@ -10,6 +10,7 @@
 
 mod answer;
 mod drawn_map;
+mod drawn_shapes;
 mod exchanged_axes;
 mod kept_draws;
 mod predicted_touches;
@@ -54,53 +55,57 @@ pub(super) fn instead(
     // a body has normals in all directions, the coarsest coordinate's among them
     let rounding = [given.rounding.position.into_iter().fold(0.0, f64::max), given.rounding.normal];
     let Some(sample) = BodySample::new(&given.points, normals, rounding) else { return patch };
-    let verdict = bodies::infer(&sample, &options.tuning);
-    let verdict = match verdict {
-        Verdict::Free(free, one) => {
-            let body = answer::BodyAnswer { posterior: &free, sample: &sample, given, options, touches };
-            let simpler = one.as_deref().map(|posterior| answer::BodyAnswer { posterior, ..body });
-            let is_of_kind = simpler.is_some_and(|one| one.is_of_simple_kind());
-            let stands = !is_of_kind && free_stands(&patch, doubt, &body);
-            if stands { Verdict::Free(free, None) } else { one.map_or(Verdict::None, Verdict::One) }
-        }
-        verdict => verdict,
-    };
-    match verdict {
-        Verdict::None if doubt == PatchDoubt::Kind => patch,
+    let question = answer::BodyQuestion { sample: &sample, given, options, touches };
+    match bodies::infer(&sample, &options.tuning) {
         Verdict::Several(things) => match patch {
             Ok(found) if doubt == PatchDoubt::Kind && is_as_good(&found, &sample, &things, &options.tuning) => {
                 Ok(found)
             }
             _ => Err(several(&sample, &things)),
         },
-        Verdict::One(posterior) => {
-            let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options, touches };
-            body.check_axes_of_normals()?;
-            let decisive =
-                body.explains_normals() && body.false_share().max(body.normals_against()) >= options.tuning.decisive;
-            let too_few = matches!(patch, Err(RecognitionError::TooFew { .. }));
-            if too_few && body.probability() < options.tuning.sure_of_few {
-                return patch;
+        Verdict::One(posterior) => one_instead(patch, doubt, &question.of(&posterior)),
+        Verdict::Free(free, one) => {
+            let (free, one) = (question.of(&free), one.as_deref().map(|one| question.of(one)));
+            let is_of_kind = one.is_some_and(|one| one.is_of_simple_kind());
+            match one {
+                _ if !is_of_kind && free_stands(&patch, doubt, &free) => free.checked(),
+                Some(one) => one_instead(patch, doubt, &one),
+                None => none_instead(patch, doubt, normals),
             }
-            let is_simpler = patch.as_ref().is_ok_and(|found| is_simpler(&posterior, found, &sample, &options.tuning));
-            let stays = match doubt {
-                PatchDoubt::Slight => !decisive && !is_simpler,
-                PatchDoubt::Kind => !is_simpler,
-                _ => false,
-            };
-            if stays {
-                return patch;
-            }
-            body.recognition()
         }
-        Verdict::Free(posterior, _) => {
-            let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options, touches };
-            body.check_axes_of_normals()?;
-            body.recognition()
-        }
-        Verdict::None if doubt == PatchDoubt::AllRound => Err(all_around(normals)),
-        Verdict::None => patch,
+        Verdict::None => none_instead(patch, doubt, normals),
     }
+}
+
+/// The answer of a primitive, unless the patch tells as much.
+fn one_instead(
+    patch: Result<Recognition, RecognitionError>,
+    doubt: PatchDoubt,
+    body: &answer::BodyAnswer,
+) -> Result<Recognition, RecognitionError> {
+    body.check_axes_of_normals()?;
+    let tuning = &body.options.tuning;
+    let decisive = body.explains_normals() && body.false_share().max(body.normals_against()) >= tuning.decisive;
+    let too_few = matches!(patch, Err(RecognitionError::TooFew { .. }));
+    if too_few && body.probability() < tuning.sure_of_few {
+        return patch;
+    }
+    let is_simpler = patch.as_ref().is_ok_and(|found| is_simpler(body.posterior, found, body.sample, tuning));
+    let stays = match doubt {
+        PatchDoubt::Slight => !decisive && !is_simpler,
+        PatchDoubt::Kind => !is_simpler,
+        _ => false,
+    };
+    if stays { patch } else { body.recognition() }
+}
+
+/// The patch, unless contacts go farther round than it does.
+fn none_instead(
+    patch: Result<Recognition, RecognitionError>,
+    doubt: PatchDoubt,
+    normals: &[Vector],
+) -> Result<Recognition, RecognitionError> {
+    if doubt == PatchDoubt::AllRound { Err(all_around(normals)) } else { patch }
 }
 
 /// Whether a free surface is the answer: it has a symmetry, closes, or goes farther round than a patch may, for what does none of that is
