@@ -1,5 +1,7 @@
 //! The settings that decide about bodies, all of them, each with its default and where that comes from.
 
+use std::f64::consts::{E, PI};
+
 /// What decides how contacts of whole or strongly bent bodies are judged. The defaults serve a user who names nothing.
 ///
 /// ```
@@ -122,6 +124,9 @@ pub struct Tuning {
     pub as_near: f64,
     /// Share of all contacts that three things or more hold where two alone do not explain them better than one.
     pub things_hold: f64,
+    /// Share of all contacts that planes, balls, bars and cones hold where a cut into many takes the place of one surface: a scan leaves some
+    /// at every edge.
+    pub primitives_hold: f64,
     /// First things, the likeliest, of which the second is looked for.
     pub firsts: usize,
     /// Log evidence by which two things must be ahead of one.
@@ -213,6 +218,7 @@ impl Default for Tuning {
             sharper: 0.5,
             as_near: 1.2,
             things_hold: 0.95,
+            primitives_hold: 0.8,
             firsts: 4,
             clearly: 10.0,
             row: 0.05,
@@ -231,5 +237,12 @@ impl Default for Tuning {
             supported: [3.0, 1.5],
             surrounded: 0.5,
         }
+    }
+}
+
+impl Tuning {
+    /// Scatter, in the same unit as lengths, of contacts that are as likely as those that belong to nothing: anywhere within the reach.
+    pub(crate) fn scatter_of_none(&self) -> f64 {
+        self.reach / (2.0 * PI * E).sqrt()
     }
 }

@@ -187,6 +187,19 @@ fn the_map_lies_on_the_surface_and_the_grid_way_agrees() {
     }
 }
 
+/// Means over cells of two sheets that mirror each other lie on a plane.
+#[test]
+fn a_body_that_mirrors_itself_is_no_plane() {
+    let height = |x: f64, y: f64| 0.4 + 0.15 * (4.0 * x).sin() * (3.0 * y).cos();
+    let side: Vec<Vector> = (0..1500)
+        .map(|i| [1.9, 1.3].map(|share| 2.0 * (f64::from(i) * 0.618 * share).fract() - 1.0))
+        .map(|[x, y]| [x, 1.4 * y, height(x, y)])
+        .collect();
+    let both: Vec<Vector> = side.iter().flat_map(|&[x, y, z]| [[x, y, z], [x, y, -z]]).collect();
+    let found = Recognition::of(&Contacts::from_points(&both), &RecognitionOptions::default());
+    assert!(!found.is_ok_and(|found| found.hypothesis == Hypothesis::Plane));
+}
+
 #[test]
 fn what_is_no_patch_is_refused_with_a_reason() {
     let refused = |points: &[Vector]| {

@@ -15,10 +15,9 @@ mod exchanged_axes;
 mod kept_draws;
 mod predicted_touches;
 
-use std::f64::consts::{E, PI};
-
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
+use palpate_numeric::statistics::mad;
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
 use crate::bodies::{self, BodyHypothesis, BodyPosterior, BodySample, Symmetry, Thing, Tuning, Verdict};
@@ -29,6 +28,9 @@ use crate::recognition::contacts::{
 use crate::recognition::free_form::leaves_much_unsaid;
 use crate::recognition::kinds::Kind;
 use crate::recognition::{Hypothesis, NormalsUse, Recognition, RecognitionError, RecognitionOptions};
+
+/// Share of the contacts' size within which distances are those of rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// Contacts needed without and with normals: a ball's four unknowns and one more row.
 pub(super) const NEEDED: [usize; 2] = [5, 3];
@@ -167,6 +169,26 @@ pub(super) fn beside_a_line(
     }
 }
 
+/// The patch, unless most contacts lie farther off its surface than they are said to scatter. The mean of a cell lies on a plane between
+/// two sheets that mirror each other, however far these are apart.
+///
+/// # Errors
+/// [`RecognitionError::NotOneSheet`].
+pub(super) fn within_its_noise(
+    found: Recognition,
+    given: &Observations,
+    tuning: &Tuning,
+) -> Result<Recognition, RecognitionError> {
+    let off: Vec<f64> = given.points.iter().map(|p| found.surface.distance(*p)).collect();
+    let most = (found.noise.sd_of_contact() / tuning.sharper).max(ROUNDING * found.frame.scale);
+    if mad(off.iter().copied()) <= most {
+        return Ok(found);
+    }
+    let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
+    let outliers = 100.0 * found.outliers as f64 / off.len() as f64;
+    Err(RecognitionError::NotOneSheet { misfit: 100.0 * rms / found.frame.scale, outliers })
+}
+
 /// Why a patch is no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PatchDoubt {
@@ -261,7 +283,7 @@ fn is_as_good(found: &Recognition, sample: &BodySample, things: &[Thing], tuning
     let unknowns: usize = things.iter().map(|thing| thing.primitive.kind.free().len()).sum();
     let of_patch = if found.hypothesis == Hypothesis::Displaced { unknowns } else { Kind::General.unknowns() };
     let held = things.iter().map(|thing| thing.contacts).sum::<usize>() as f64;
-    let of_none = (tuning.reach / (2.0 * PI * E).sqrt()).ln();
+    let of_none = tuning.scatter_of_none().ln();
     let [one, all] = [found.noise.sd_of_contact() / sample.frame.scale, bodies::scatter(things)];
     let of_things = held * all.ln() + (count - held) * of_none + price(all, unknowns);
     things.iter().any(follows_any) || count * one.ln() + price(one, of_patch) <= of_things
