@@ -48,6 +48,7 @@ mod point_shapes;
 mod recognition_fallback;
 mod relations;
 mod result;
+mod rival;
 mod scale_selection;
 mod unexplained_regions;
 mod whole;
