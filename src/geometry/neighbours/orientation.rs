@@ -148,18 +148,19 @@ fn correct_signs(tree: &Neighbours, points: &[Vector], normals: &mut [Vector]) {
 fn beside(tree: &Neighbours, points: &[Vector], normals: &[Vector]) -> Vec<Vec<u32>> {
     let steps = threads::map(points.len(), TASK, |i| {
         let near = tree.nearest(points[i], NEAREST + 1).into_iter().map(|(_, j)| j);
-        near.filter_map(|j| Step::between(points, normals, i, j)).collect::<Vec<Step>>()
+        near.filter_map(|j| SheetStep::between(points, normals, i, j)).collect::<Vec<SheetStep>>()
     });
     let agreeing = steps.iter().flatten().filter(|step| step.agrees);
     let off = median(agreeing.map(|step| step.off).collect::<Vec<f64>>()).unwrap_or(f64::INFINITY);
     let length = median(steps.iter().flatten().map(|step| step.length).collect::<Vec<f64>>()).unwrap_or(0.0);
     let most = OFF_THE_SHEET * off.max(TOLD_APART * length);
-    let on_the_sheet = |steps: Vec<Step>| steps.iter().filter(|step| step.off <= most).map(|step| step.to).collect();
+    let on_the_sheet =
+        |steps: Vec<SheetStep>| steps.iter().filter(|step| step.off <= most).map(|step| step.to).collect();
     steps.into_iter().map(on_the_sheet).collect()
 }
 
 /// From a contact to one whose normal is parallel.
-struct Step {
+struct SheetStep {
     to: u32,
     agrees: bool,
     length: f64,
@@ -167,14 +168,14 @@ struct Step {
     off: f64,
 }
 
-impl Step {
-    fn between(points: &[Vector], normals: &[Vector], i: usize, to: u32) -> Option<Step> {
+impl SheetStep {
+    fn between(points: &[Vector], normals: &[Vector], i: usize, to: u32) -> Option<SheetStep> {
         let j = to as usize;
         let cosine = dot(normals[i], normals[j]);
         let step = minus(points[j], points[i]);
         let mean = along(normals[i], cosine.signum(), normals[j]);
         let off = dot(step, mean).abs() / norm(mean);
-        (j != i && cosine.abs() > PARALLEL).then(|| Step { to, agrees: cosine > 0.0, length: norm(step), off })
+        (j != i && cosine.abs() > PARALLEL).then(|| SheetStep { to, agrees: cosine > 0.0, length: norm(step), off })
     }
 }
 

@@ -13,6 +13,7 @@ use super::body_hypothesis::BodyHypothesis;
 use super::body_posterior::BodyPosterior;
 use super::coordinates::{DepartureJet, DepartureOver, Symmetry};
 use super::departure::DepartureProcess;
+use super::finer_shape::FinerShape;
 use super::mode::is_possible;
 use super::tuning::Tuning;
 use crate::dense;
@@ -39,6 +40,8 @@ pub(crate) struct DrawnBase {
     pub(crate) primitive: Primitive,
     /// Its departure with the coefficients that were drawn, where that is read as shape; as an error of the sensor it bends nothing.
     departure: Option<(Arc<DepartureProcess>, Vec<f64>)>,
+    /// What it does not follow, and which draw this is.
+    pub(crate) finer: Option<(FinerShape, u64)>,
     /// Its share of all; they sum to 1.
     pub(crate) share: f64,
 }
@@ -46,7 +49,7 @@ pub(crate) struct DrawnBase {
 impl DrawnBase {
     /// A primitive alone.
     pub(crate) fn of_primitive(primitive: Primitive) -> DrawnBase {
-        DrawnBase { primitive, departure: None, share: 1.0 }
+        DrawnBase { primitive, departure: None, finer: None, share: 1.0 }
     }
 
     /// The likeliest primitive of a node with its departure.
@@ -55,7 +58,7 @@ impl DrawnBase {
             let coefficients = process.coefficients(&node.solution[..process.len()]);
             (process, coefficients)
         });
-        DrawnBase { primitive, departure, share: 1.0 }
+        DrawnBase { primitive, departure, finer: None, share: 1.0 }
     }
 
     /// F, its gradient and its Hessian at a place; F is positive outside.
@@ -145,6 +148,11 @@ impl DrawnBase {
 
     /// All that is asked about a place.
     pub(crate) fn reading(&self, place: Vector) -> SurfaceReading {
+        let followed = self.followed(place);
+        self.finer.map_or(followed, |(finer, number)| finer.added(&followed, place, number))
+    }
+
+    fn followed(&self, place: Vector) -> SurfaceReading {
         if self.departure.is_none() {
             let (distance, normal) = self.primitive.nearest(place);
             let curvatures = self.primitive.curvatures(along(place, -distance, normal));
@@ -212,7 +220,7 @@ pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Ve
                 let coefficients = process.coefficients(&step[..weights]);
                 (process, coefficients)
             });
-            found.push(DrawnBase { primitive, departure, share: 0.0 });
+            found.push(DrawnBase { primitive, departure, finer: None, share: 0.0 });
         }
         taken = until.min(count).max(taken);
     }

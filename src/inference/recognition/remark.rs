@@ -51,6 +51,11 @@ pub enum Remark {
         /// Radius of the tube with its interval.
         tube: [f64; 3],
     },
+    /// Contacts show smaller shape than a free surface follows.
+    FinerShape {
+        /// Standard deviation of its height, and the length within which it changes; input units.
+        size: [f64; 2],
+    },
     /// The misfit is as large as the shape.
     MisfitOfShape,
     /// What is not flat on a plane is no shape that was tried.
@@ -123,6 +128,11 @@ impl std::fmt::Display for Remark {
                 digits(*tube),
                 digits(*c),
                 digits(*d)
+            ),
+            Remark::FinerShape { size: [height, length] } => write!(
+                f,
+                "the contacts also show shape of about {height:.2e} within {length:.2e} that this surface does not follow; the bounds \
+                 allow for it"
             ),
             Remark::MisfitOfShape => {
                 write!(f, "the misfit is as large as the shape itself: the class describes only its coarsest part")

@@ -38,7 +38,7 @@ pub(super) fn at_vertices(mut facets: Facets) -> Option<FacetContacts> {
     let kept = samples.into_iter().zip(&several).filter(|(_, several)| !**several).filter_map(|(sample, _)| sample);
     let samples: Vec<FacetSample> = kept.collect();
     let on_edges = touched - samples.len();
-    (samples.len() > on_edges).then(|| FacetContacts {
+    (samples.len() > on_edges).then_some(FacetContacts {
         vertices: samples.len(),
         samples,
         has_edges: on_edges > 0,

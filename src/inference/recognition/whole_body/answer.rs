@@ -11,8 +11,8 @@ use super::exchanged_axes::agreeing_order;
 use super::kept_draws::{is_flat, kept_draws};
 use super::predicted_touches::predicted_over;
 use crate::bodies::{
-    BodyChart, BodyHypothesis, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Symmetry, drawn, is_simple,
-    spread,
+    BodyChart, BodyHypothesis, BodyPosterior, BodySample, DrawnBase, FinerShape, PosteriorSpread, Symmetry, drawn,
+    is_simple, spread,
 };
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::recognition::contacts::Observations;
@@ -173,6 +173,8 @@ impl BodyAnswer<'_> {
             Some(node) => DrawnBase::likeliest(primitive, node),
             None => DrawnBase::of_primitive(primitive),
         };
+        let finer = if self.posterior.is_free { FinerShape::beside(&surface, &members) } else { None };
+        draws.iter_mut().zip(0..).for_each(|(d, number)| d.finer = finer.map(|finer| (finer, number)));
         let chart_surface = if self.posterior.is_free { surface.clone() } else { DrawnBase::of_primitive(primitive) };
         let chart = BodyChart::new(self.sample.frame, surface, &members, draws.clone(), &self.options.tuning);
         let DrawnMap { map, supported, shapes } = DrawnMap::over(&chart, self.options);
@@ -199,6 +201,7 @@ impl BodyAnswer<'_> {
         let is_round = matches!(likeliest.kind, PartKind::Sphere | PartKind::Cylinder);
         let has_radius = is_round && !is_free && class != ShapeClass::Plane;
         let radius = has_radius.then(|| self.length(&primitive, &draws, 0));
+        let finer_shape = finer.map(|f| Remark::FinerShape { size: [f.height, f.length].map(|v| v * scale) });
         let found = Recognition {
             hypothesis: if is_free { Hypothesis::from(symmetry) } else { Hypothesis::from(likeliest.kind) },
             class,
@@ -240,7 +243,7 @@ impl BodyAnswer<'_> {
             misfit: self.misfit(kind),
             effective_contacts: members.len() as f64,
             contacts: members.len(),
-            notes: self.notes(&primitive, &draws, &side, is_free),
+            notes: self.notes(&primitive, &draws, &side, is_free).into_iter().chain(finer_shape).collect(),
             side_known: side.known,
             predictive,
             draws: kept_draws(&draws, &shapes, &primitive, scale).into(),
