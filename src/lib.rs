@@ -91,7 +91,8 @@ pub mod parametric {
 /// What a body is made of: planes, spheres, cylinders, cones and tori, and how they adjoin.
 pub mod parts {
     pub use palpate_inference::parts::{
-        Joint, JointKind, Part, PartGeometry, PartKind, PartUncertainty, Parts, PartsError, PartsOptions, PointShapes,
+        Joint, JointKind, Part, PartGeometry, PartKind, PartUncertainty, Parts, PartsError, PartsOptions, PartsTuning,
+        PointShapes,
     };
 }
 

@@ -16,11 +16,13 @@
 
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
-use super::cloud::{Cloud, FEWEST_POINTS, LINKED};
+use super::cloud::{Cloud, LINKED};
 use super::evidence::Cells;
-use super::hypothesis::{CAP, cost, sampled};
+use super::hypothesis::sampled;
 use super::local::{Noise, ROUNDING};
-use super::partition::exact;
+use super::partition::{exact, explained};
+use super::shared_errors::{Weighted, widened};
+use super::tuning::PartsTuning;
 use crate::primitives::descent::{Descended, Sample, rows, share_of_distances};
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::linalg::small::Square;
@@ -67,12 +69,13 @@ impl Exact {
 }
 
 /// The noise that a fit begins with.
-pub(super) struct StartNoise {
+pub(super) struct StartNoise<'a> {
     /// What most places show, with what is let pass.
     pub(super) coarse: Noise,
     /// Whether the start is a fit already, so that the noise is what its contacts scatter by: contacts that lie far apart show a coarse
     /// one that leads away from it.
     pub(super) is_known: bool,
+    pub(super) tuning: &'a PartsTuning,
 }
 
 /// What the contacts of a primitive scatter by, its unknowns not counted.
@@ -127,15 +130,16 @@ fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, begin: &StartNoise, c
     let inner = &kept;
     let share = share(cloud, inner, &descended, &noise);
     let (p, departure) = lack_of_fit(cloud, inner, &descended.primitive, share);
-    let shared = shared(cloud, inner, &descended, &noise, cells);
+    let fit = Weighted { primitive: &descended.primitive, noise: &noise, tuning: begin.tuning };
+    let shared = shared(cloud, inner, &descended, &fit, cells);
     Some(Exact { descended, noise, p, departure, shared })
 }
 
 /// By how much shared errors widen the variance of every unknown: through what each contact moves it by.
-fn shared(cloud: &Cloud, inner: &[u32], descended: &Descended, noise: &Noise, cells: &Cells) -> [f64; MOST_UNKNOWNS] {
+fn shared(cloud: &Cloud, inner: &[u32], descended: &Descended, fit: &Weighted, cells: &Cells) -> [f64; MOST_UNKNOWNS] {
     let Some(covariance) = descended.covariance() else { return [1.0; MOST_UNKNOWNS] };
     let free = descended.primitive.kind.free();
-    let weights = [noise.distance.powi(-2), noise.normal.powi(-2)];
+    let weights = [fit.noise.distance.powi(-2), fit.noise.normal.powi(-2)];
     let mut moves: [Vec<(u32, f64)>; MOST_UNKNOWNS] = Default::default();
     for &i in inner {
         let mut pull = [0.0; MOST_UNKNOWNS];
@@ -148,15 +152,8 @@ fn shared(cloud: &Cloud, inner: &[u32], descended: &Descended, noise: &Noise, ce
             moves[k].push((i, free.iter().map(|&j| covariance[k][j] * pull[j]).sum()));
         }
     }
-    std::array::from_fn(|k| cells.shared(&moves[k], free.len()))
-}
-
-/// The points that cost less than the most: a face too small to be a part has its neighbour's label, and a dozen points of a
-/// cone's top turn its half angle by five uncertainties.
-fn explained(cloud: &Cloud, inner: &[u32], primitive: &Primitive, coarse: &Noise) -> Vec<u32> {
-    let is_explained = |i: &u32| cost(primitive, cloud.points[*i as usize], cloud.normals[*i as usize], coarse) < CAP;
-    let kept: Vec<u32> = inner.iter().copied().filter(is_explained).collect();
-    if kept.len() >= FEWEST_POINTS { kept } else { inner.to_vec() }
+    let by_kernel = widened(cloud, inner, fit, &covariance);
+    std::array::from_fn(|k| cells.shared(&moves[k], free.len()).max(by_kernel[k]))
 }
 
 /// The unknowns that the distances determine.
@@ -272,7 +269,8 @@ mod tests {
         let cone = descended(PartKind::Cone, &sample, &[], extent(&points)).unwrap().primitive;
         let (coarse, cells) = (Noise { distance: 0.1, normal: 0.3 }, Cells::new(cloud));
         let fit = if simple { simplest } else { fitted };
-        fit(cloud, &members, &cone, &StartNoise { coarse, is_known: false }, &cells).unwrap()
+        fit(cloud, &members, &cone, &StartNoise { coarse, is_known: false, tuning: &PartsTuning::default() }, &cells)
+            .unwrap()
     }
 
     #[test]

@@ -8,7 +8,7 @@
 //! The kind is chosen anew at every size: what looks flat while it is small is a cylinder when it has grown. P. J. Besl and
 //! R. C. Jain, *Segmentation through variable-order surface fitting*, IEEE PAMI 10 (1988) 167.
 
-use super::cloud::{Cloud, NEAREST};
+use super::cloud::{Cloud, LINKED, NEAREST};
 use super::local::Noise;
 use crate::primitives::descent::{Descended, Sample, descend, sum_of_squares};
 use crate::primitives::placed::{PartKind, Primitive};
@@ -132,9 +132,25 @@ impl Walk {
     }
 }
 
-/// The primitive about one point, and the points that it explains.
-pub(super) fn grow(cloud: &Cloud, seed: usize, u: &Noise, walk: &mut Walk) -> Option<(Primitive, Vec<u32>)> {
-    let first: Vec<u32> = std::iter::once(seed as u32).chain(cloud.near(seed).iter().copied()).collect();
+/// The primitive about one point, and the points that it explains at less than `most_of` it. It begins with neighbours whose normals are
+/// nearly the point's own: on a narrow face most neighbours are of others.
+pub(super) fn grow(
+    (cloud, u, parallel): (&Cloud, &Noise, f64),
+    seed: usize,
+    walk: &mut Walk,
+    most_of: impl Fn(usize) -> f64,
+) -> Option<(Primitive, Vec<u32>)> {
+    let free = |i: usize| most_of(i) > 0.0;
+    let is_alike = |j: &u32| free(*j as usize) && dot(cloud.normals[seed], cloud.normals[*j as usize]) > parallel;
+    // what lies singly among contacts of other parts begins none
+    if 2 * cloud.linked(seed).iter().filter(|j| free(**j as usize)).count() < LINKED {
+        return None;
+    }
+    let near = cloud.near(seed).iter().copied().filter(is_alike);
+    let first: Vec<u32> = std::iter::once(seed as u32).chain(near).collect();
+    if first.len() <= LINKED {
+        return None;
+    }
     let mut members = first.clone();
     let mut before: Vec<Primitive> = Vec::new();
     let mut stable = 0;
@@ -143,8 +159,9 @@ pub(super) fn grow(cloud: &Cloud, seed: usize, u: &Noise, walk: &mut Walk) -> Op
         let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
         let primitive = best(&sample, &before)?.primitive;
         let most = 2 * members.len() + NEAREST;
-        let taken = walk.reach(cloud, &first, most, |i| cost(&primitive, cloud.points[i], cloud.normals[i], u) < CAP);
-        if taken.len() < NEAREST / 2 {
+        let takes = |i: usize| free(i) && cost(&primitive, cloud.points[i], cloud.normals[i], u) < most_of(i);
+        let taken = walk.reach(cloud, &first, most, takes);
+        if 2 * taken.len() < first.len() {
             return None;
         }
         let settled = taken.len() < most && taken.len().abs_diff(members.len()) <= members.len() / 50;

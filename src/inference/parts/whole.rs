@@ -1,23 +1,26 @@
 //! The whole cloud as one primitive, or as a few: what is one body is one part, however few or noisy its contacts are.
 //!
 //! ```text
-//! primitives by `bodies`, which hold 97 % of the contacts within four sds        the answer
-//! which hold fewer                                                               the answer, if shorter to tell than the cut cloud:
-//! length = sum over parts (n ln rms + unknowns / 2 ln N), contacts of no part 0, in units of the cloud's size
+//! primitives by `bodies`, with the contacts within four sds      the answer, if no longer to tell than the cut cloud:
+//! length = sum over parts (n ln sd + sum min(d^2 / sd^2, CAP) / 2 + unknowns / 2 ln N) + AGREE (pairs of neighbours in different parts)
+//!          sd by the median; contacts of no part 0, lengths in units of the cloud's size
+//! one primitive through all contacts that holds nearly all       the answer where normals are not measured, if contacts scatter little
+//! primitives by `bodies` that hold nearly all                    the answer where neighbours share errors
 //! ```
 //!
 //! A departure that would be shape is no primitive, and an ellipsoid is no part. The length is that of J. Rissanen, *Automatica* 14 (1978)
 //! 465: where contacts lie too far apart for regions to grow, few primitives that hold most of them tell more than one that holds all.
 
 use super::cloud::Cloud;
+use super::hypothesis::{CAP, best, sampled};
 use super::local::Noise;
-use super::partition::{NONE, Partition};
+use super::partition::{AGREE, Field, NONE, Partition};
+use super::tuning::PartsTuning;
 use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
+use crate::primitives::descent::Sample;
 use crate::primitives::placed::{PartKind, Primitive};
+use palpate_numeric::statistics::{MAD_TO_SD, mad, upper_median};
 use palpate_numeric::vector::{Vector, dot};
-
-/// Share of the contacts that the primitives must hold.
-const WHOLE: f64 = 0.97;
 
 /// Contacts that are looked at.
 const LOOKED_AT: usize = 1000;
@@ -32,26 +35,37 @@ const LOOSE: f64 = 3.0;
 const ROUNDED: f64 = 1e-9;
 
 impl Partition {
-    /// Whether nearly all contacts are in a part.
-    pub(super) fn holds_nearly_all(&self) -> bool {
+    /// Whether contacts lie close beside their noise, and the parts hold nearly all of them: regions then grew as far as faces reach, and what
+    /// the whole shows is known.
+    pub(super) fn is_beyond_doubt(&self, field: &Field) -> bool {
         let held = self.labels.iter().filter(|label| **label != NONE).count() as f64;
-        held >= WHOLE * self.labels.len() as f64
+        let all = self.labels.len();
+        let PartsTuning { held: most, close, .. } = *field.tuning;
+        all > LOOKED_AT && held >= most * all as f64 && field.coarse.distance < close * field.cloud.spacing
+    }
+
+    /// Whether nearly all contacts are in a part.
+    pub(super) fn holds_nearly_all(&self, tuning: &PartsTuning) -> bool {
+        let held = self.labels.iter().filter(|label| **label != NONE).count() as f64;
+        held >= tuning.nearly_all * self.labels.len() as f64
     }
 
     /// How long it is to tell, in natural units of information.
     pub(super) fn description_length(&self, cloud: &Cloud) -> f64 {
-        let mut squares = vec![(0.0, 0.0); self.parts.len()];
+        let mut off = vec![Vec::new(); self.parts.len()];
         for (place, label) in cloud.points.iter().zip(&self.labels).filter(|(_, label)| **label != NONE) {
             let part = *label as usize;
-            let (count, sum) = &mut squares[part];
-            (*count, *sum) = (*count + 1.0, *sum + self.parts[part].nearest(*place).0.powi(2));
+            off[part].push(self.parts[part].nearest(*place).0.abs());
         }
         let price = 0.5 * (cloud.len() as f64).ln();
-        let of_part = |(part, (count, sum)): (&Primitive, &(f64, f64))| match *count {
-            0.0 => 0.0,
-            count => count * (sum / count).sqrt().max(ROUNDED).ln() + price * part.kind.free().len() as f64,
+        let of_part = |(part, off): (&Primitive, &Vec<f64>)| {
+            let sd = (MAD_TO_SD * upper_median(off.clone()).unwrap_or(0.0)).max(ROUNDED);
+            let squares: f64 = off.iter().map(|d| (d / sd).powi(2).min(CAP)).sum();
+            off.len() as f64 * sd.ln() + 0.5 * squares + price * part.kind.free().len() as f64
         };
-        self.parts.iter().zip(&squares).map(of_part).sum()
+        let pairs = (0..cloud.len()).flat_map(|i| cloud.linked(i).iter().map(move |j| (i, *j as usize)));
+        let edges = pairs.filter(|(i, j)| self.labels[*i] != self.labels[*j]).count() as f64;
+        self.parts.iter().zip(&off).map(of_part).sum::<f64>() + AGREE * edges
     }
 }
 
@@ -80,6 +94,24 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
     let things = with_contacts(things, &mut labels);
     let parts = things.iter().zip(0..).map(|(thing, k)| facing(thing.primitive, k, &labels, cloud)).collect();
     (!things.is_empty()).then_some(Partition { parts, labels })
+}
+
+/// One primitive for all contacts, begun at the parts, where it holds nearly all of them and they scatter little about it. Distances alone
+/// tell: normals of planes through neighbours tell the same again, and on the wrong side they lead astray.
+pub(super) fn one(cut: &Partition, field: &Field) -> Option<Partition> {
+    let (cloud, u) = (field.cloud, &field.coarse);
+    let all: Vec<u32> = (0..cloud.len() as u32).collect();
+    let (points, normals) = sampled(cloud, &all, LOOKED_AT);
+    let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: f64::INFINITY };
+    let primitive = best(&sample, &cut.parts)?.primitive;
+    let off: Vec<f64> = cloud.points.iter().map(|p| primitive.nearest(*p).0).collect();
+    let sd = mad(off.iter().copied());
+    let most = Tuning::default().belongs * sd;
+    let labels: Vec<u32> = off.iter().map(|d| if d.abs() <= most { 0 } else { NONE }).collect();
+    let found = Partition { parts: vec![facing(primitive, 0, &labels, cloud)], labels };
+    let PartsTuning { one_scatter, one_spacings, .. } = *field.tuning;
+    let is_near = sd < one_scatter * u.distance && sd < one_spacings * cloud.spacing;
+    (is_near && found.holds_nearly_all(field.tuning)).then_some(found)
 }
 
 /// Numbers of the things that a place is near enough to, the nearest first.
@@ -161,5 +193,21 @@ mod tests {
         let bar = of(&places(30, false));
         assert_eq!((bar.len(), bar[0].kind), (1, PartKind::Cylinder));
         assert!((bar[0].geometry.radius.unwrap() - RADIUS).abs() < 1e-6, "{bar:?}");
+    }
+
+    /// A stem that is not quite round, without normals: what parts there are of it, one cylinder holds as well.
+    #[test]
+    fn a_stem_that_is_not_quite_round_is_one_part() {
+        let draws = EffectDraws::new(22, "stem");
+        let place = |k: u64| {
+            let mut at = [0.0; 14];
+            draws.uniforms(k, 0, 14, &mut at);
+            let turn = std::f64::consts::TAU * at[0];
+            let radius = 0.25 + 0.003 * (3.0 * turn).cos() + 0.002 * (at[2..].iter().sum::<f64>() - 6.0);
+            [radius * turn.cos(), radius * turn.sin(), at[1]]
+        };
+        let stem = of(&(0..2000).map(place).collect::<Vec<Vector>>());
+        assert_eq!((stem.len(), stem[0].kind), (1, PartKind::Cylinder));
+        assert!((stem[0].geometry.radius.unwrap() - 0.25).abs() < 0.002, "{stem:?}");
     }
 }
