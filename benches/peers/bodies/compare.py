@@ -93,9 +93,9 @@ def summary(found):
         good = [f for f in own if not isinstance(f[2], str)]
         nearer = sum(f[2][0][0] < f[3][0][0] for f in good)
         inside = np.mean([f[2][1] for f in good], axis=0) if good else [np.nan] * 3
-        quicker = np.median([f[3][2] / f[2][2] for f in good]) if good else np.nan
+        as_long = np.median([f[2][2] / f[3][2] for f in good]) if good else np.nan
         held = " ".join(f"{h:.0f}" for h in inside)
-        yield f"{count} touches: {len(good)} of {len(own)} answered, nearer in {nearer}; inside (place, S, R) {held} %, the other's places {np.mean([f[3][1] for f in own]):.0f} %; {quicker:.0f} times as quick"
+        yield f"{count} touches: {len(good)} of {len(own)} answered, nearer in {nearer}; inside (place, S, R) {held} %, the other's places {np.mean([f[3][1] for f in own]):.0f} %; it takes {as_long:.1f} times as long"
 
 
 def main():

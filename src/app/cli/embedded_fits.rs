@@ -37,7 +37,8 @@ impl From<Refusal> for FitRefusal {
     fn from(refusal: Refusal) -> FitRefusal {
         match refusal {
             Refusal::Fit(error) => FitRefusal::Fit(error),
-            Refusal::Shape(message) | Refusal::Several(message) => FitRefusal::Shape(message),
+            Refusal::Shape(message) => FitRefusal::Shape(message),
+            Refusal::Several(things) => FitRefusal::Shape(things.message),
         }
     }
 }

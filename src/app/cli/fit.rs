@@ -215,7 +215,7 @@ impl Outcome {
             Ok(found) => found,
             Err(Refusal::Fit(error)) => return Err(Failure::Input(placed(&error, &reading))),
             Err(Refusal::Shape(message)) => return Err(Failure::Input(format!("{}: {message}", reading.file))),
-            Err(Refusal::Several(message)) => return Ok(Outcome::Things(Box::new(Things { reading, message }))),
+            Err(Refusal::Several(found)) => return Ok(Outcome::Things(Box::new(Things { reading, found: *found }))),
         };
         let fitted = clock.elapsed().as_secs_f64();
         let mut notes = notes(&reading);

@@ -2,6 +2,7 @@
 
 use crate::report::{Answer, ChosenPart, LackOfFitPart};
 use palpate_fitting::fit::FitError;
+use palpate_inference::parts::Parts;
 
 use super::failure::fit_message;
 
@@ -20,8 +21,17 @@ pub(super) enum Refusal {
     Fit(FitError),
     /// The recognition refused.
     Shape(String),
-    /// It found several things, which have no one shape.
-    Several(String),
+    /// The contacts are several things, which have no one shape.
+    Several(Box<SeveralThings>),
+}
+
+/// Several things in the place of one surface.
+#[derive(Debug)]
+pub(super) struct SeveralThings {
+    /// Which they are, and what can be done.
+    pub(super) message: String,
+    /// Their parts, where these are known.
+    pub(super) parts: Option<Parts>,
 }
 
 impl Refusal {
@@ -29,7 +39,13 @@ impl Refusal {
     pub(super) fn words(self) -> String {
         match self {
             Refusal::Fit(error) => fit_message(&error),
-            Refusal::Shape(message) | Refusal::Several(message) => message,
+            Refusal::Shape(message) => message,
+            Refusal::Several(things) => things.message,
         }
+    }
+
+    /// Several things of which a message says what can be done.
+    pub(super) fn several(message: String, parts: Option<Parts>) -> Refusal {
+        Refusal::Several(Box::new(SeveralThings { message, parts }))
     }
 }

@@ -57,6 +57,7 @@ mod progress;
 mod provenance;
 mod reading;
 mod recognise_or_fit;
+mod rival_parts;
 mod run;
 mod save;
 mod scene;

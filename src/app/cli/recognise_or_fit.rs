@@ -6,8 +6,7 @@
 //! too few to recognise           the height field of degree 2, with a note
 //! directions without heights     likewise, since what is recognised is a surface through points
 //! one sheet, no simple shape     a height field with as many segments as predict left-out contacts
-//! several things                 the first lines of `palpate parts`, or an error that names them where a surface is wanted
-//! a body of no simple form       an error that says what can be done
+//! several things, no one sheet   the first lines of `palpate parts`, or an error that says what can be done where a surface is wanted
 //! ```
 
 use std::borrow::Cow;
@@ -26,6 +25,7 @@ use super::explicit_model::fit_input;
 use super::found::{Found, Refusal};
 use super::local_detail::{is_free_form, local_detail};
 use super::pixels::weighed_contacts_of;
+use super::rival_parts::parts_instead;
 use super::viewpoint::sees_from_below;
 use super::zero_weights::with_heights;
 
@@ -122,6 +122,13 @@ fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> 
                 found = detailed;
             }
             let flexible = matches!(found.answer, Answer::Fitted(_) | Answer::Adaptive(_));
+            if let Some(parts) = parts_instead(input, &found.answer, options) {
+                let count = parts.parts.len();
+                let what = format!(
+                    "the contacts are {count} things, to which they lie nearer than to any one surface. {APART}"
+                );
+                return Err(Refusal::several(what, Some(parts)));
+            }
             found.notes.extend((flexible && without_side(input, options)).then(|| UPWARD.to_string()));
             found.notes.extend(all_downward(input).then(|| DOWNWARD.to_string()));
             Ok(found)
@@ -137,9 +144,9 @@ fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> 
             Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: vec![note] })
         }
         Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. })) => {
-            Err(Refusal::Shape(format!("{error}: {FORWARD}")))
+            Err(Refusal::several(format!("{error}: {FORWARD}"), None))
         }
-        Err(error @ RecognitionError::SeveralThings { .. }) => Err(Refusal::Several(format!("{error}. {APART}"))),
+        Err(error @ RecognitionError::SeveralThings { .. }) => Err(Refusal::several(format!("{error}. {APART}"), None)),
         Err(error) => Err(Refusal::Shape(error.to_string())),
     }
 }

@@ -65,7 +65,8 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
     let Found { answer: found, chosen, lack_of_fit, notes: own } =
         found_in(&input, &scene, args).map_err(|e| match e {
             Refusal::Fit(error) => wrong(format!("{}{}", fit_message(&error), several_faces(&scene, "; "))),
-            Refusal::Shape(message) | Refusal::Several(message) => wrong(message),
+            Refusal::Shape(message) => wrong(message),
+            Refusal::Several(things) => wrong(things.message),
         })?;
     let fitted = clock.elapsed().as_secs_f64();
     let mut notes = own;

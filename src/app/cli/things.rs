@@ -12,6 +12,7 @@ use crate::report::{PartsDocument, write_parts_table};
 use palpate_inference::parts::{Parts, PartsOptions};
 
 use super::failure::Failure;
+use super::found::SeveralThings;
 use super::options::OutputFlags;
 use super::output::{Spinner, columns};
 use super::reading::seen_from;
@@ -22,8 +23,7 @@ const FIRST_LINES: usize = 12;
 /// Contacts that were recognised as several things.
 pub(super) struct Things {
     pub(super) reading: Reading,
-    /// Which they are, and what can be done.
-    pub(super) message: String,
+    pub(super) found: SeveralThings,
 }
 
 /// How they are to be told.
@@ -38,13 +38,13 @@ pub(super) struct TellThings<'a> {
 impl Things {
     /// Where one surface is wanted.
     pub(super) fn refused(&self) -> Failure {
-        Failure::Input(format!("{}: {}", self.reading.file, self.message))
+        Failure::Input(format!("{}: {}", self.reading.file, self.found.message))
     }
 
     /// Says what the parts are.
     ///
     /// # Errors
-    /// The refusal, where an output holds one surface, and where no two parts are found.
+    /// The refusal, where an output holds one surface, and where no two parts hold most contacts.
     pub(super) fn tell(&self, told: &TellThings, spinner: Spinner) -> Result<(), Failure> {
         let Input::Contacts(contacts) = &self.reading.input else { return Err(self.refused()) };
         if told.output.json || told.output.out.is_some() || told.saves {
@@ -54,8 +54,8 @@ impl Things {
         let clock = Instant::now();
         let options =
             PartsOptions { viewpoint: told.viewpoint.or(seen_from(&self.reading)), ..PartsOptions::default() };
-        let found = Parts::of(contacts, &options).ok().filter(|found| found.parts.len() > 1);
-        let found = found.ok_or_else(|| self.refused())?;
+        let cut = || Parts::of(contacts, &options).ok().filter(holds_most);
+        let found = self.found.parts.clone().or_else(cut).ok_or_else(|| self.refused())?;
         let document = PartsDocument::new(&self.reading.file, &found, Vec::new(), clock.elapsed().as_secs_f64());
         drop(spinner);
         if told.output.quiet {
@@ -70,4 +70,10 @@ impl Things {
             writeln!(out, "more       palpate parts {}: joints, pictures, every point's part", self.reading.file)
         })
     }
+}
+
+/// Whether several parts hold most contacts.
+fn holds_most(found: &Parts) -> bool {
+    let held = found.labels.iter().flatten().count();
+    found.parts.len() > 1 && 2 * held > found.labels.len()
 }

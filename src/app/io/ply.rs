@@ -1,7 +1,7 @@
 //! PLY: the `vertex` element with `x y z` and, if present, `nx ny nz` and the other known names, ascii or binary.
 //!
 //! `ply-rs-bw` reads the header and binary payloads. Ascii rows are read here: its grammar knows neither `nan` nor
-//! `.5`, and a message should name the line. Faces behind the vertices are [sampled](super::facets) where they are coarse.
+//! `.5`, and a message should name the line. Faces behind the vertices are [facets](super::facets).
 
 use std::io::Write;
 

@@ -92,7 +92,8 @@ pub(super) fn table_form(
         return Ok(TableForm { first_row: at, ..form });
     }
     let may_be_bare = need == Need::Contacts && ["xyz", "xyzn", "pts", "txt", "asc"].contains(&ending);
-    match may_be_bare.then(|| without_names(first, ending)).flatten() {
+    let second = rows.peek().map(|(_, line)| *line);
+    match may_be_bare.then(|| without_names(first, second, ending)).flatten() {
         Some(form) => Ok(TableForm { first_row: at, ..form }),
         None => Err(no_header(file, at + 1, first)),
     }
@@ -171,8 +172,8 @@ fn named_by_aside(file: &str, aside: &str, row: &str, said: Option<&ColumnNames>
     (has("x") && has("y")).then_some(TableForm { separator, unit, ..form })
 }
 
-/// The layout of a table without names, by the numbers in its first row.
-fn without_names(row: &str, ending: &str) -> Option<TableForm> {
+/// The layout of a table without names, by the numbers in its first row, and by the next where these may be numbers of points.
+fn without_names(row: &str, next: Option<&str>, ending: &str) -> Option<TableForm> {
     let (separator, values) = SEPARATORS.into_iter().find_map(|separator| {
         let values: Option<Vec<f64>> = separator.fields(row).iter().map(|f| separator.number(f)).collect();
         values.filter(|v| v.len() >= 3).map(|v| (separator, v))
@@ -185,6 +186,12 @@ fn without_names(row: &str, ending: &str) -> Option<TableForm> {
         (3, _) => ("x,y,z", "x,y,z"),
         (6, _) if UNIT.contains(&length(&values[3..])) => ("x,y,z,nx,ny,nz", "x,y,z,nx,ny,nz"),
         (6, _) if values[3..].iter().all(colour) => ("x,y,z,red,green,blue", "x,y,z and a colour"),
+        (7, _) if ending != "pts" && values[3..6].iter().all(colour) => {
+            ("x,y,z,red,green,blue,scalar", "x,y,z, a colour and a number")
+        }
+        (4, _) if ending != "pts" && are_numbered(row, next, separator) => {
+            ("number,x,y,z", "the number of a point and x,y,z")
+        }
         (4, "pts") => ("x,y,z,intensity", "x,y,z and an intensity"),
         (7, "pts") => ("x,y,z,intensity,red,green,blue", "x,y,z, an intensity and a colour"),
         _ => return None,
@@ -192,6 +199,13 @@ fn without_names(row: &str, ending: &str) -> Option<TableForm> {
     let note = format!("no header: the {} columns are taken as {words}", values.len());
     let names: Vec<String> = names.split(',').map(String::from).collect();
     Some(TableForm { separator, titles: names.clone(), names, unit: None, first_row: 0, note: Some(note) })
+}
+
+/// Whether two rows begin with the numbers of points, as surveyors write them: whole, without a point, and growing.
+fn are_numbered(row: &str, next: Option<&str>, separator: Separator) -> bool {
+    let number = |row: &str| separator.fields(row).first().and_then(|field| field.trim().parse::<u64>().ok());
+    let [first, second] = [Some(row), next].map(|row| row.and_then(number));
+    first.zip(second).is_some_and(|(first, second)| first < second)
 }
 
 #[cfg(test)]
@@ -244,9 +258,17 @@ mod tests {
         assert_eq!(form("1,5 2,5 3,5\n", "txt").separator, Separator::Blank);
         assert_eq!(form("1 2 3 0 0.6 0.8\n", "xyz").names.join(","), "x,y,z,nx,ny,nz");
         assert_eq!(form("1 2 3 0 60 255\n", "txt").names[3], "red");
+        assert_eq!(form("1 2 3 0 60 255 0.5\n", "xyz").names[6], "scalar");
+        assert_eq!(form("11 1.5 2 3\n12 1 2 3\n", "txt").names.join(","), "number,x,y,z");
         let pts = form("2\n1 2 3 -700 1 2 3\n1 2 3 4 5 6 7\n", "pts");
         assert_eq!((pts.first_row, pts.names[3].as_str()), (1, "intensity"));
-        for (text, ending) in [("1 2 3\n", "csv"), ("1 2 3 4\n", "xyz"), ("1 2 3 4 5.5 6\n", "xyz"), ("1 2\n", "xyz")] {
+        for (text, ending) in [
+            ("1 2 3\n", "csv"),
+            ("1 2 3 4\n", "xyz"),
+            ("1.5 2 3 4\n2.5 2 3 4\n", "xyz"),
+            ("1 2 3 4 5.5 6\n", "xyz"),
+            ("1 2\n", "xyz"),
+        ] {
             assert!(
                 matches!(table_form("f", text, ending, Need::Contacts, None), Err(IoError::NoHeader { .. })),
                 "{text:?}"

@@ -1,14 +1,22 @@
-//! Unit normals on one side: those of length 0 are set aside, the others agree with their neighbours.
+//! Unit normals on one side: those of length 0 are set aside, the others agree with their neighbours on the same sheet.
 //!
 //! ```text
-//! spanning tree over the 8 nearest neighbours, least weight 1 - |n_i . n_j| first;  along it n_j <- sign(n_i . n_j) n_j
-//! the sign of the whole: the viewpoint's side where one is given, else the side of most of the file's own signs
+//! h = (p_j - p_i) . m  m: mean of n_i and sign(n_i . n_j) n_j; on one sheet the third order of the step, between two their distance
+//! beside one another   |n_i . n_j| > 0.7, and |h| at most 4 times the median of those whose signs agree
+//! signs of a file      few of these contradict each other: a contact is turned that most of its own contradict
+//!                      many: pieces of contacts beside one another are made one, with the sign of most of its normals in the file
+//! signs at random      spanning tree over the 8 nearest neighbours, least weight 1 - |n_i . n_j| first;  n_j <- sign(n_i . n_j) n_j
 //! ```
+//!
+//! The two walls of a thin pipe face opposite ways and lie nearer to each other than their contacts. Across an edge the normals are at
+//! right angles and tell nothing of each other. Last, the viewpoint says the side of the whole, where one is given.
 //!
 //! H. Hoppe et al., *Surface reconstruction from unorganized points*, SIGGRAPH 1992, section 3.3.
 
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
 
+use palpate_numeric::statistics::median;
+use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, norm, scaled};
 
 use super::tree::Neighbours;
@@ -19,11 +27,27 @@ const NEAREST: usize = 8;
 /// Normals that all lie within this cosine of their mean agree with each other already.
 const AGREED: f64 = 0.2;
 
-/// Mean |cosine| of neighbours below which the normals are no normals of a surface. Random directions have 0.5.
-const CONSISTENT: f64 = 0.7;
+/// Cosine from which on two normals are thought to belong to one smooth piece: 45 degrees.
+const PARALLEL: f64 = 0.7;
+
+/// Median distances of steps from the mean tangent plane beyond which a step leads to another sheet: of gaussian errors 0.7 %.
+const OFF_THE_SHEET: f64 = 4.0;
+
+/// Share of the median step below which such a distance tells nothing: that of a sheet which bends differently from place to place.
+const TOLD_APART: f64 = 0.02;
+
+/// Share of contradictions among contacts beside one another up to which the file's signs are those of a surface, with a few slips: 5 % of
+/// signs at random make as many.
+const SLIPS: f64 = 0.1;
+
+/// Share of nearest neighbours that are parallel, below which the normals are no normals of a surface. Random directions have 0.3.
+const CONSISTENT: f64 = 0.5;
 
 /// Share of the file's own signs below which a note says that they are mixed.
 const MAJORITY: f64 = 0.6;
+
+/// Contacts that one thread looks at.
+const TASK: usize = 256;
 
 /// Oriented normals with what was done to them.
 #[derive(Clone, Debug, Default)]
@@ -45,17 +69,42 @@ impl Oriented {
     }
 }
 
-/// Orients unit normals, zero where unknown, at their points.
-pub fn oriented(points: &[Vector], mut normals: Vec<Vector>, viewpoint: Option<Vector>) -> Oriented {
+/// Orients unit normals of a file, zero where unknown, at their points.
+pub fn oriented(points: &[Vector], normals: Vec<Vector>, viewpoint: Option<Vector>) -> Oriented {
+    let mean = mean_of(&normals);
+    let agreed = normals.iter().all(|n| *n == [0.0; 3] || dot(*n, mean) > AGREED * norm(mean));
+    with_signs(points, normals, viewpoint, |tree, normals| {
+        if !agreed {
+            correct_signs(tree, points, normals);
+        }
+        agreed
+    })
+}
+
+/// Orients unit normals whose signs mean nothing.
+pub(super) fn oriented_anew(points: &[Vector], normals: Vec<Vector>, viewpoint: Option<Vector>) -> Oriented {
+    with_signs(points, normals, viewpoint, |tree, normals| {
+        spread_signs(tree, points, normals);
+        false
+    })
+}
+
+/// `correct` makes normals agree, and says whether they did before.
+fn with_signs(
+    points: &[Vector],
+    mut normals: Vec<Vector>,
+    viewpoint: Option<Vector>,
+    correct: impl FnOnce(&Neighbours, &mut [Vector]) -> bool,
+) -> Oriented {
     let of_length_zero = normals.iter().filter(|n| **n == [0.0; 3]).count();
     let known = normals.len() - of_length_zero;
     if known == 0 {
         return Oriented { normals, of_length_zero, ..Oriented::default() };
     }
     let before = normals.clone();
-    let mean = mean_of(&normals);
-    let agreed = normals.iter().all(|n| *n == [0.0; 3] || dot(*n, mean) > AGREED * norm(mean));
-    let consistent = agreed || spread_signs(points, &mut normals);
+    let tree = Neighbours::new(points);
+    let consistent = neighbours_parallel(&tree, points, &normals);
+    let consistent = correct(&tree, &mut normals) || consistent;
     let kept = normals.iter().zip(&before).filter(|(new, old)| **new != [0.0; 3] && new == old).count();
     let facing = viewpoint.map(|eye| points.iter().zip(&normals).map(|(p, n)| dot(*n, minus(eye, *p))).sum::<f64>());
     let reversed = facing.map_or(2 * kept < known, |sum| sum < 0.0);
@@ -68,11 +117,89 @@ pub fn oriented(points: &[Vector], mut normals: Vec<Vector>, viewpoint: Option<V
     Oriented { normals, of_length_zero, flipped: known - kept, majority, consistent }
 }
 
-/// Carries signs along the tree; whether neighbours are parallel enough for that to mean anything.
-fn spread_signs(points: &[Vector], normals: &mut [Vector]) -> bool {
-    let tree = Neighbours::new(points);
+/// Turns the normals that contradict those beside them.
+fn correct_signs(tree: &Neighbours, points: &[Vector], normals: &mut [Vector]) {
+    let beside = beside(tree, points, normals);
+    let links = || beside.iter().enumerate().flat_map(|(i, near)| near.iter().map(move |&j| (i, j as usize)));
+    let against = links().filter(|&(i, j)| dot(normals[i], normals[j]) < 0.0).count();
+    if against == 0 {
+        return;
+    }
+    if against as f64 <= SLIPS * links().count() as f64 {
+        let is_slip = |i: usize| {
+            let against = beside[i].iter().filter(|j| dot(normals[i], normals[**j as usize]) < 0.0).count();
+            2 * against > beside[i].len()
+        };
+        let slips: Vec<usize> = (0..points.len()).filter(|i| is_slip(*i)).collect();
+        slips.into_iter().for_each(|i| normals[i] = scaled(-1.0, normals[i]));
+        return;
+    }
+    let mut visited = vec![false; points.len()];
+    for root in 0..points.len() {
+        let piece = piece_from(root, &beside, normals, &mut visited);
+        let against = piece.iter().filter(|(_, is_turned)| *is_turned).count();
+        let minority = 2 * against <= piece.len();
+        let turned = piece.iter().filter(|(_, is_turned)| *is_turned == minority);
+        turned.for_each(|(i, _)| normals[*i as usize] = scaled(-1.0, normals[*i as usize]));
+    }
+}
+
+/// For every contact those that lie beside it on its sheet.
+fn beside(tree: &Neighbours, points: &[Vector], normals: &[Vector]) -> Vec<Vec<u32>> {
+    let steps = threads::map(points.len(), TASK, |i| {
+        let near = tree.nearest(points[i], NEAREST + 1).into_iter().map(|(_, j)| j);
+        near.filter_map(|j| Step::between(points, normals, i, j)).collect::<Vec<Step>>()
+    });
+    let agreeing = steps.iter().flatten().filter(|step| step.agrees);
+    let off = median(agreeing.map(|step| step.off).collect::<Vec<f64>>()).unwrap_or(f64::INFINITY);
+    let length = median(steps.iter().flatten().map(|step| step.length).collect::<Vec<f64>>()).unwrap_or(0.0);
+    let most = OFF_THE_SHEET * off.max(TOLD_APART * length);
+    let on_the_sheet = |steps: Vec<Step>| steps.iter().filter(|step| step.off <= most).map(|step| step.to).collect();
+    steps.into_iter().map(on_the_sheet).collect()
+}
+
+/// From a contact to one whose normal is parallel.
+struct Step {
+    to: u32,
+    agrees: bool,
+    length: f64,
+    /// How far it leaves the mean tangent plane.
+    off: f64,
+}
+
+impl Step {
+    fn between(points: &[Vector], normals: &[Vector], i: usize, to: u32) -> Option<Step> {
+        let j = to as usize;
+        let cosine = dot(normals[i], normals[j]);
+        let step = minus(points[j], points[i]);
+        let mean = along(normals[i], cosine.signum(), normals[j]);
+        let off = dot(step, mean).abs() / norm(mean);
+        (j != i && cosine.abs() > PARALLEL).then(|| Step { to, agrees: cosine > 0.0, length: norm(step), off })
+    }
+}
+
+/// Contacts that hang together with one, and whether each has to be turned to agree with it; empty where it is known already.
+fn piece_from(root: usize, beside: &[Vec<u32>], normals: &[Vector], visited: &mut [bool]) -> Vec<(u32, bool)> {
+    if std::mem::replace(&mut visited[root], true) {
+        return Vec::new();
+    }
+    let mut piece = vec![(root as u32, false)];
+    let mut queue = VecDeque::from(piece.clone());
+    while let Some((i, is_turned)) = queue.pop_front() {
+        for &j in &beside[i as usize] {
+            if !std::mem::replace(&mut visited[j as usize], true) {
+                let turned = is_turned != (dot(normals[i as usize], normals[j as usize]) < 0.0);
+                piece.push((j, turned));
+                queue.push_back((j, turned));
+            }
+        }
+    }
+    piece
+}
+
+/// Carries signs along the tree.
+fn spread_signs(tree: &Neighbours, points: &[Vector], normals: &mut [Vector]) {
     let mut visited: Vec<bool> = normals.iter().map(|n| *n == [0.0; 3]).collect();
-    let consistent = neighbours_parallel(&tree, points, normals);
     for root in 0..points.len() {
         if visited[root] {
             continue;
@@ -80,7 +207,7 @@ fn spread_signs(points: &[Vector], normals: &mut [Vector]) -> bool {
         visited[root] = true;
         // largest |cosine| first; the bits of a positive number are ordered as the number is
         let mut heap: BinaryHeap<(u64, u32, u32)> = BinaryHeap::new();
-        reach(&tree, points, normals, root, &visited, &mut heap);
+        reach(tree, points, normals, root, &visited, &mut heap);
         while let Some((_, from, to)) = heap.pop() {
             let (from, to) = (from as usize, to as usize);
             if visited[to] {
@@ -90,20 +217,18 @@ fn spread_signs(points: &[Vector], normals: &mut [Vector]) -> bool {
             if dot(normals[from], normals[to]) < 0.0 {
                 normals[to] = scaled(-1.0, normals[to]);
             }
-            reach(&tree, points, normals, to, &visited, &mut heap);
+            reach(tree, points, normals, to, &visited, &mut heap);
         }
     }
-    consistent
 }
 
-/// Whether the mean |cosine| between contacts and their nearest neighbour is that of a surface. The tree's own edges
-/// are no measure of it: they are chosen for being parallel.
+/// Whether contacts and their nearest neighbours are parallel as on a surface. The tree's own edges are no measure of it: they are chosen
+/// for being parallel.
 fn neighbours_parallel(tree: &Neighbours, points: &[Vector], normals: &[Vector]) -> bool {
     let known = |i: usize| normals[i] != [0.0; 3];
     let pairs = (0..points.len()).filter(|&i| known(i)).filter_map(|i| Some((i, tree.nearest_other(i)?.1)));
-    let cosines = pairs.filter(|&(_, j)| known(j)).map(|(i, j)| dot(normals[i], normals[j]).abs());
-    let (sum, count) = cosines.fold((0.0, 0_usize), |(sum, count), c| (sum + c, count + 1));
-    count == 0 || sum > CONSISTENT * count as f64
+    let cosines: Vec<f64> = pairs.filter(|&(_, j)| known(j)).map(|(i, j)| dot(normals[i], normals[j]).abs()).collect();
+    cosines.iter().filter(|cosine| **cosine > PARALLEL).count() as f64 >= CONSISTENT * cosines.len() as f64
 }
 
 fn reach(
@@ -158,5 +283,25 @@ mod tests {
         assert!(found.normals.iter().zip(&truth).enumerate().all(|(i, (a, b))| i == 77 || a == b));
         let seen = oriented(&points, truth.clone(), Some([0.5, 0.5, -9.0]));
         assert_eq!(seen.normals[3], scaled(-1.0, truth[3]));
+    }
+
+    /// Two walls nearer to each other than their contacts: each faces its own way, and a slip is found on either.
+    #[test]
+    fn the_walls_of_a_pipe_face_opposite_ways() {
+        let wall = |radius: f64, side: f64| {
+            (0..900).map(move |k| {
+                let (turn, h) = (f64::from(k % 30) * 0.2094, f64::from(k / 30) * 0.2);
+                let outwards = [turn.cos(), turn.sin(), 0.0];
+                ([radius * outwards[0], radius * outwards[1], h], scaled(side, outwards))
+            })
+        };
+        let (points, truth): (Vec<Vector>, Vec<Vector>) = wall(1.0, 1.0).chain(wall(0.85, -1.0)).unzip();
+        assert_eq!(oriented(&points, truth.clone(), None).flipped, 0);
+        let mut given = truth.clone();
+        for i in [37, 501, 1203] {
+            given[i] = scaled(-1.0, given[i]);
+        }
+        let found = oriented(&points, given, None);
+        assert_eq!((found.flipped, found.normals == truth), (3, true));
     }
 }

@@ -6,6 +6,8 @@ use faer::Mat;
 
 use super::coordinates::Symmetry;
 use super::departure::DepartureProcess;
+use super::departure_reading::DepartureReading;
+use super::tuning::Tuning;
 #[cfg(test)]
 use crate::dense;
 use crate::primitives::placed::{MOST_UNKNOWNS, Primitive};
@@ -17,6 +19,8 @@ pub(crate) struct BodyHypothesis {
     pub(super) of: usize,
     /// Length of the departure and its size over the sd of a contact; `None` without one.
     pub(super) departure: Option<[f64; 2]>,
+    /// What that is.
+    pub(super) reading: DepartureReading,
     pub(super) log_evidence: f64,
     /// The departure's weights, then the move to the likeliest primitive by the unknowns that are free.
     pub(super) solution: Vec<f64>,
@@ -69,6 +73,22 @@ impl BodyHypothesis {
     /// Root mean square of the departure at the contacts.
     pub(crate) fn departure_size(&self) -> f64 {
         self.departure_rms
+    }
+
+    /// With the prior of how its departure is read.
+    pub(super) fn weighed_by_reading(mut self, tuning: &Tuning) -> BodyHypothesis {
+        self.log_evidence += self.departure.map_or(0.0, |[_, size]| self.reading.prior(size, tuning).ln());
+        self
+    }
+
+    /// Probability that its departure is an error of the sensor; 0 without one.
+    pub(super) fn is_error(&self, tuning: &Tuning) -> f64 {
+        self.departure.map_or(0.0, |[_, size]| self.reading.is_error(size, tuning))
+    }
+
+    /// Whether its departure is likelier shape than an error of the sensor.
+    pub(crate) fn departs_in_shape(&self, tuning: &Tuning) -> bool {
+        self.departure.is_some() && self.is_error(tuning) < 0.5
     }
 
     /// Length of the departure.

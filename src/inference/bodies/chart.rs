@@ -204,8 +204,15 @@ impl BodyChart {
         if !self.surface.is_level_set() {
             return is_near(place, self.reach);
         }
-        let (place, _) = self.surface.over(place);
-        is_near(place, self.reach) && self.is_surrounded(place)
+        let (place, normal) = self.surface.over(place);
+        is_near(place, self.reach) && self.is_surrounded(place) && self.faces_as_beside(place, normal)
+    }
+
+    /// Whether the surface faces there as it does at the contact next to it: steps to the surface may end where F is 0 for no contact.
+    fn faces_as_beside(&self, place: Vector, normal: Vector) -> bool {
+        let nearest = self.contacts.nearest(place, 1);
+        let agrees = |contact: Vector| dot(self.surface.over(contact).1, normal) > 0.0;
+        nearest.first().is_some_and(|(_, i)| agrees(self.contacts.point(*i)))
     }
 
     /// Whether contacts lie on all sides: beyond the last of them, and on the rim itself, a free surface may bend in any way.

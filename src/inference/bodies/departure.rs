@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! F(p) = d(p) - f(q) = 0                  the surface; d the distance from the base; q the foot of p, or p itself
-//! f(q) = phi(q)' w,   phi(q)' = k(q, c) L^-T,   L L' = k(c, c),   w ~ N(0, tau^2)          k(q, c) = exp(-|q - c|^2 / 2 l^2)
+//! f(q) = phi(q)' w,   phi(q)' = k(q, c) L^-T,   L L' = k(c, c),   w ~ N(0, tau^2)          k: `departure_kernel`
 //! normal grad F / |grad F|         shape operator -T' (hess d - hess f) T / |grad F|, T: two directions across the normal
 //! ```
 //!
@@ -13,6 +13,7 @@
 use faer::MatMut;
 
 use super::coordinates::{DepartureJet, DepartureOver};
+use super::departure_kernel::DepartureKernel;
 use super::kernel_layer::KernelLayer;
 use crate::primitives::placed::Primitive;
 use palpate_numeric::vector::Vector;
@@ -26,13 +27,18 @@ pub(super) struct DepartureProcess {
 }
 
 impl DepartureProcess {
-    pub(super) fn new(at: &[Vector], over: DepartureOver, length: f64, most: usize) -> Option<DepartureProcess> {
-        Some(DepartureProcess { over, own: KernelLayer::new(at, over, length, most)?, broad: None })
+    pub(super) fn new(
+        at: &[Vector],
+        over: DepartureOver,
+        of: DepartureKernel,
+        most: usize,
+    ) -> Option<DepartureProcess> {
+        Some(DepartureProcess { over, own: KernelLayer::new(at, over, of, most)?, broad: None })
     }
 
     /// The same with a broad one besides.
-    pub(super) fn beside_broad(self, at: &[Vector], length: f64, most: usize) -> Option<DepartureProcess> {
-        Some(DepartureProcess { broad: Some(KernelLayer::new(at, self.over, length, most)?), ..self })
+    pub(super) fn beside_broad(self, at: &[Vector], of: DepartureKernel, most: usize) -> Option<DepartureProcess> {
+        Some(DepartureProcess { broad: Some(KernelLayer::new(at, self.over, of, most)?), ..self })
     }
 
     pub(super) fn len(&self) -> usize {
@@ -42,6 +48,11 @@ impl DepartureProcess {
     /// Places that carry the process without the broad one.
     pub(super) fn own_len(&self) -> usize {
         self.own.len()
+    }
+
+    /// How alike its values are at two places, without the broad one.
+    pub(super) fn kernel(&self) -> DepartureKernel {
+        self.own.kernel()
     }
 
     fn layers(&self) -> impl Iterator<Item = &KernelLayer> {

@@ -16,6 +16,7 @@ use statrs::function::beta::ln_beta;
 
 use super::body_hypothesis::{BodyHypothesis, moved};
 use super::coordinates::DepartureOver;
+use super::departure_kernel::DepartureKernel;
 use super::division::log_division;
 use super::mode::{Mode, is_possible, log_false};
 use super::posterior::DrawnBase;
@@ -54,8 +55,8 @@ pub(super) struct LinearisedBase<'a> {
     pub(super) steep: f64,
     pub(super) broad: f64,
     plain: RowGrams,
-    /// By length.
-    departed: Vec<(f64, RowGrams)>,
+    /// With departures.
+    departed: Vec<RowGrams>,
 }
 
 impl<'a> LinearisedBase<'a> {
@@ -67,21 +68,22 @@ impl<'a> LinearisedBase<'a> {
         LinearisedBase::of_rows(&base, primitive, (moving, prior), mode, sample, tuning)
     }
 
-    /// The equations about a surface that departs from its base by as much as the body is large, with departures of these lengths,
-    /// each carried by so many places at most. The mode's weights tell which contacts are its own.
+    /// The equations about a surface that departs from its base by as much as the body is large, with departures of these lengths
+    /// and families, each carried by so many places at most. The mode's weights tell which contacts are its own.
     pub(super) fn of_level_set(
         surface: &DrawnBase,
         over: DepartureOver,
         mode: &Mode,
         sample: &'a BodySample,
-        lengths: &[f64],
+        kernels: &[DepartureKernel],
         tuning: &Tuning,
     ) -> LinearisedBase<'a> {
         let base = BaseRows::of_level_set(surface, over, over.moving(), &mode.members(), sample);
         let prior = log_prior_of_axis(&surface.primitive, over);
         let linearised =
             LinearisedBase::of_rows(&base, surface.primitive, (over.moving(), prior), mode, sample, tuning);
-        linearised.departing_by(&base, lengths, tuning.free_broad[1], tuning.free_features)
+        let broad = DepartureKernel::gaussian(tuning.free_broad[1], tuning.free_apart[0]);
+        linearised.departing_by(&base, kernels, Some(broad), tuning.free_features)
     }
 
     fn of_rows(
@@ -111,21 +113,32 @@ impl<'a> LinearisedBase<'a> {
         self
     }
 
-    /// With departures of all lengths.
+    /// With departures of all lengths, and with those that normals do not follow.
     pub(super) fn departing(self, tuning: &Tuning) -> LinearisedBase<'a> {
-        self.with_lengths(&tuning.lengths, tuning.most_features)
+        let mut found = self.with_lengths(&tuning.lengths, tuning.most_features, tuning);
+        if tuning.own_normals > 0.0 && found.rows[1] > 0.0 {
+            let unfollowed: Vec<RowGrams> = found.departed.iter().map(|g| g.unfollowed(&found.plain)).collect();
+            found.departed.extend(unfollowed);
+        }
+        found
     }
 
     /// With departures of these lengths, each carried by so many places at most.
-    pub(super) fn with_lengths(self, lengths: &[f64], most: usize) -> LinearisedBase<'a> {
+    pub(super) fn with_lengths(self, lengths: &[f64], most: usize, tuning: &Tuning) -> LinearisedBase<'a> {
         let base = BaseRows::new(&self.primitive, &self.members, self.sample);
+        let kernel = |length: &f64| DepartureKernel::gaussian(*length, tuning.apart);
         // a departure that is small beside the body has no broad one
-        self.departing_by(&base, lengths, f64::INFINITY, most)
+        self.departing_by(&base, &lengths.iter().map(kernel).collect::<Vec<DepartureKernel>>(), None, most)
     }
 
-    fn departing_by(mut self, base: &BaseRows, lengths: &[f64], broad: f64, most: usize) -> LinearisedBase<'a> {
-        let of_length = |length: &f64| Some((*length, base.grams_with(*length, broad, most)?));
-        self.departed = lengths.iter().filter_map(of_length).collect();
+    fn departing_by(
+        mut self,
+        base: &BaseRows,
+        kernels: &[DepartureKernel],
+        broad: Option<DepartureKernel>,
+        most: usize,
+    ) -> LinearisedBase<'a> {
+        self.departed = kernels.iter().filter_map(|of| base.grams_with(*of, broad, most)).collect();
         self
     }
 
@@ -163,7 +176,8 @@ impl<'a> LinearisedBase<'a> {
         let mut found: Vec<BodyHypothesis> = Vec::new();
         found.extend(self.node(of, &self.plain, None, tuning.exact.ln(), tuning));
         let each = ((1.0 - tuning.exact) / (tuning.lengths.len() * tuning.departures.len()) as f64).ln();
-        found.extend(self.departed_nodes(of, &tuning.departures, each, tuning));
+        let departed = self.departed_nodes(of, &tuning.departures, each, tuning);
+        found.extend(departed.map(|node| node.weighed_by_reading(tuning)));
         found
     }
 
@@ -175,8 +189,8 @@ impl<'a> LinearisedBase<'a> {
         log_prior: f64,
         tuning: &'b Tuning,
     ) -> impl Iterator<Item = BodyHypothesis> + 'b {
-        self.departed.iter().flat_map(move |(length, grams)| {
-            sizes.iter().filter_map(move |size| self.node(of, grams, Some([*length, *size]), log_prior, tuning))
+        self.departed.iter().flat_map(move |grams| {
+            sizes.iter().filter_map(move |size| self.node(of, grams, Some(*size), log_prior, tuning))
         })
     }
 
@@ -184,26 +198,25 @@ impl<'a> LinearisedBase<'a> {
     pub(super) fn departed_nodes_near(&self, of: usize, sizes: &[f64], tuning: &Tuning) -> Vec<BodyHypothesis> {
         let each = -((self.departed.len() * sizes.len()) as f64).ln();
         let middle = sizes.get(sizes.len() / 2).copied();
-        let mut rough: Vec<(f64, f64, &RowGrams, f64)> = Vec::new();
-        for (length, grams) in &self.departed {
+        let mut rough: Vec<(f64, &RowGrams, f64)> = Vec::new();
+        for grams in &self.departed {
             let v = if self.rows[1] > 0.0 { self.ratio(grams, middle, tuning).0.exp() } else { 1.0 };
-            let of_size = |size: &f64| Some((self.factored(grams, Some(*size), v)?.log, *length, grams, *size));
+            let of_size = |size: &f64| Some((self.factored(grams, Some(*size), v)?.log, grams, *size));
             rough.extend(sizes.iter().filter_map(of_size));
         }
         let most = rough.iter().map(|(log, ..)| *log).fold(f64::NEG_INFINITY, f64::max);
         let near = rough.into_iter().filter(|(log, ..)| *log > most - tuning.hopeless[1]);
-        near.filter_map(|(_, length, grams, size)| self.node(of, grams, Some([length, size]), each, tuning)).collect()
+        near.filter_map(|(_, grams, size)| self.node(of, grams, Some(size), each, tuning)).collect()
     }
 
     fn node(
         &self,
         of: usize,
         grams: &RowGrams,
-        departure: Option<[f64; 2]>,
+        size: Option<f64>,
         log_prior: f64,
         tuning: &Tuning,
     ) -> Option<BodyHypothesis> {
-        let size = departure.map(|[_, size]| size);
         let (best, of_v) = if self.rows[1] > 0.0 { self.ratio(grams, size, tuning) } else { (0.0, 0.0) };
         let found = self.factored(grams, size, best.exp())?;
         let sd = (found.sum / self.freedom()).sqrt();
@@ -212,7 +225,8 @@ impl<'a> LinearisedBase<'a> {
         let departure_rms = (grams.departure_square(&solution).unwrap_or(0.0) / self.rows[0].max(1.0)).sqrt();
         Some(BodyHypothesis {
             of,
-            departure,
+            departure: grams.length().zip(size).map(|(length, size)| [length, size]),
+            reading: grams.reading,
             log_evidence: found.log + of_v + self.constant + log_prior,
             solution,
             moving: self.moving,
@@ -271,7 +285,7 @@ impl<'a> LinearisedBase<'a> {
             self.factored(grams, size, v).map_or(f64::NEG_INFINITY, |found| found.log)
         };
         let largest = tuning.departures.iter().copied().fold(0.0, f64::max);
-        let departed = self.departed.iter().map(|(_, g)| of(g, Some(largest)).max(of(g, Some(0.1 * largest))));
+        let departed = self.departed.iter().map(|g| of(g, Some(largest)).max(of(g, Some(0.1 * largest))));
         self.constant + departed.fold(of(&self.plain, None), f64::max)
     }
 }

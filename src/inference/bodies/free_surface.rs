@@ -15,6 +15,7 @@
 use super::body_hypothesis::BodyHypothesis;
 use super::body_posterior::{BodyPosterior, normalised};
 use super::coordinates::DepartureOver;
+use super::departure_kernel::{DepartureKernel, KernelFamily};
 use super::evidence::LinearisedBase;
 use super::mode::{FalseContacts, Mode};
 use super::posterior::DrawnBase;
@@ -53,7 +54,7 @@ pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPost
     }
     let (mut nodes, mut primitives, mut members) = (Vec::new(), Vec::new(), Vec::new());
     for found in &likeliest {
-        let linearised = found.linearised(sample, &tuning.free_lengths, tuning);
+        let linearised = found.linearised(sample, &of_every_family(tuning), tuning);
         let own = linearised.departed_nodes_near(primitives.len(), &tuning.free_sizes, tuning);
         nodes.extend(own);
         primitives.push(linearised.primitive);
@@ -61,6 +62,19 @@ pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPost
     }
     let (nodes, weights, log_evidence) = normalised(nodes, tuning)?;
     Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: true })
+}
+
+/// By which a mode is found.
+fn gaussian(lengths: &[f64], apart: f64) -> Vec<DepartureKernel> {
+    lengths.iter().map(|length| DepartureKernel::gaussian(*length, apart)).collect()
+}
+
+/// By which it is then known: what bends evenly, and what does not.
+fn of_every_family(tuning: &Tuning) -> Vec<DepartureKernel> {
+    let [_, evenly, apart] = tuning.free_apart;
+    let matern = |length: &f64| DepartureKernel { family: KernelFamily::Matern, length: *length, apart };
+    let gaussian = gaussian(&tuning.free_lengths, evenly);
+    gaussian.into_iter().chain(tuning.free_lengths.iter().map(matern)).collect()
 }
 
 /// Every form that is tried.
@@ -73,7 +87,8 @@ fn forms(sample: &BodySample, found: &[Mode], tuning: &Tuning) -> Vec<FreeBody> 
 /// The likeliest form of every symmetry, followed to its mode.
 fn likeliest_modes(forms: Vec<FreeBody>, sample: &BodySample, tuning: &Tuning) -> Vec<FreeMode> {
     let few = &sample.at_most(tuning.searched);
-    let rated = forms.into_iter().filter_map(|form| FreeMode::about(form, few, &tuning.free_rated, tuning));
+    let by = gaussian(&tuning.free_rated, tuning.free_apart[0]);
+    let rated = forms.into_iter().filter_map(|form| FreeMode::about(form, few, &by, tuning));
     let mut rated: Vec<FreeMode> = rated.collect();
     rated.sort_by(|a, b| b.best.log_evidence.total_cmp(&a.best.log_evidence));
     let of = |over: DepartureOver| {
@@ -86,13 +101,13 @@ fn likeliest_modes(forms: Vec<FreeBody>, sample: &BodySample, tuning: &Tuning) -
 
 impl FreeMode {
     /// About a base, with departures of some lengths.
-    fn about(form: FreeBody, sample: &BodySample, lengths: &[f64], tuning: &Tuning) -> Option<FreeMode> {
+    fn about(form: FreeBody, sample: &BodySample, kernels: &[DepartureKernel], tuning: &Tuning) -> Option<FreeMode> {
         let distances: Vec<f64> = sample.points.iter().map(|p| form.base.nearest(*p).0.abs()).collect();
         let scatter = quantile(distances, tuning.surely_own, Rank::Reached)?;
         let weights = vec![1.0; sample.len()];
         let sd = [scatter.max(sample.floor[0]), tuning.random_normals];
         let mode = Mode { primitive: form.base, weights, sd, likelihood: 0.0, strays: FalseContacts::None };
-        FreeMode::found(DrawnBase::of_primitive(form.base), form.over, mode, sample, lengths, tuning)
+        FreeMode::found(DrawnBase::of_primitive(form.base), form.over, mode, sample, kernels, tuning)
     }
 
     /// The likeliest surface by the equations about one.
@@ -101,10 +116,10 @@ impl FreeMode {
         over: DepartureOver,
         mode: Mode,
         sample: &BodySample,
-        lengths: &[f64],
+        kernels: &[DepartureKernel],
         tuning: &Tuning,
     ) -> Option<FreeMode> {
-        let linearised = LinearisedBase::of_level_set(&surface, over, &mode, sample, lengths, tuning);
+        let linearised = LinearisedBase::of_level_set(&surface, over, &mode, sample, kernels, tuning);
         let nodes = linearised.departed_nodes_near(0, &tuning.free_sizes, tuning);
         let best = nodes.into_iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))?;
         let surface = DrawnBase::likeliest(best.likeliest(&linearised.primitive), &best);
@@ -112,31 +127,37 @@ impl FreeMode {
         Some(FreeMode { surface, over, mode, best })
     }
 
-    fn linearised<'a>(&self, sample: &'a BodySample, lengths: &[f64], tuning: &Tuning) -> LinearisedBase<'a> {
-        LinearisedBase::of_level_set(&self.surface, self.over, &self.mode, sample, lengths, tuning)
+    fn linearised<'a>(
+        &self,
+        sample: &'a BodySample,
+        kernels: &[DepartureKernel],
+        tuning: &Tuning,
+    ) -> LinearisedBase<'a> {
+        LinearisedBase::of_level_set(&self.surface, self.over, &self.mode, sample, kernels, tuning)
     }
 
     /// The same over all contacts, and then over those that lie near it, if these are likelier.
     fn again(&self, few: &BodySample, all: &BodySample, tuning: &Tuning) -> Option<FreeMode> {
-        let near = self.clone().followed(few, &tuning.free_rated, tuning);
+        let near = self.clone().followed(few, &gaussian(&tuning.free_rated, tuning.free_apart[0]), tuning);
+        let by = &gaussian(&tuning.free_lengths, tuning.free_apart[0]);
         let mode = Mode { weights: vec![1.0; all.len()], ..near.mode };
-        let whole = FreeMode::found(near.surface, self.over, mode, all, &tuning.free_lengths, tuning)?;
-        let whole = whole.followed(all, &tuning.free_lengths, tuning);
+        let whole = FreeMode::found(near.surface, self.over, mode, all, by, tuning)?;
+        let whole = whole.followed(all, by, tuning);
         let mode = Mode { weights: whole.weights(all, tuning), ..whole.mode.clone() };
         if mode.others().is_empty() {
             return Some(whole);
         }
-        let own = FreeMode::found(whole.surface.clone(), self.over, mode, all, &tuning.free_lengths, tuning);
-        let own = own.map(|own| own.followed(all, &tuning.free_lengths, tuning));
+        let own = FreeMode::found(whole.surface.clone(), self.over, mode, all, by, tuning);
+        let own = own.map(|own| own.followed(all, by, tuning));
         Some(own.filter(|own| own.best.log_evidence > whole.best.log_evidence).unwrap_or(whole))
     }
 
     /// The same after steps to its mode.
-    fn followed(self, sample: &BodySample, lengths: &[f64], tuning: &Tuning) -> FreeMode {
+    fn followed(self, sample: &BodySample, kernels: &[DepartureKernel], tuning: &Tuning) -> FreeMode {
         let mut known = self;
         for _ in 0..tuning.free_rounds {
             let (surface, mode) = (known.surface.clone(), known.mode.clone());
-            let Some(next) = FreeMode::found(surface, known.over, mode, sample, lengths, tuning) else { break };
+            let Some(next) = FreeMode::found(surface, known.over, mode, sample, kernels, tuning) else { break };
             let gain = next.best.log_evidence - known.best.log_evidence;
             if gain <= 0.0 {
                 break;
@@ -172,13 +193,13 @@ const SETTLED: f64 = 0.1;
 
 /// Whether a departure of the likeliest length and size tells contacts that it was not told of.
 fn predicts(best: &FreeMode, sample: &BodySample, tuning: &Tuning) -> bool {
-    let Some([length, size]) = best.best.departure else { return false };
+    let (Some([_, size]), Some(process)) = (best.best.departure, &best.best.process) else { return false };
     let own: Vec<usize> = best.mode.members();
     let is_out = |i: &usize| i.is_multiple_of(LEFT_OUT);
     let (out, kept): (Vec<usize>, Vec<usize>) = own.into_iter().partition(is_out);
     let few = sample.only(&kept);
     let mode = Mode { weights: vec![1.0; few.len()], ..best.mode.clone() };
-    let linearised = LinearisedBase::of_level_set(&best.surface, best.over, &mode, &few, &[length], tuning);
+    let linearised = LinearisedBase::of_level_set(&best.surface, best.over, &mode, &few, &[process.kernel()], tuning);
     let Some(node) = linearised.departed_nodes(0, &[size], 0.0, tuning).next() else { return false };
     let surface = DrawnBase::likeliest(node.likeliest(&linearised.primitive), &node);
     let sum = |away: &dyn Fn(usize) -> f64| out.iter().map(|i| away(*i).powi(2)).sum::<f64>();

@@ -5,7 +5,7 @@ use super::body_posterior::{BodyPosterior, most, normalised};
 use super::evidence::LinearisedBase;
 use super::free_surface::free_surface;
 use super::mode::{FalseContacts, Mode};
-use super::other_things::{Thing, is_simple, scatter, several_things};
+use super::other_things::{Thing, scatter, several_things};
 use super::sample::BodySample;
 use super::search::modes;
 use super::tuning::Tuning;
@@ -86,12 +86,9 @@ impl FreeRival {
         Some(FreeRival { found, of_one })
     }
 
-    /// Whether it explains the contacts clearly better than a ring or an ellipsoid with a departure of its own, which follow anything, and
-    /// lies nearer to them: a primitive that is as near says more. A stem is a cylinder though its section is not quite round.
+    /// Whether it explains the contacts clearly better than a primitive with a departure of its own, and lies nearer to them: a primitive
+    /// that is as near says more.
     fn is_clear(&self, one: &BodyPosterior, tuning: &Tuning) -> bool {
-        if is_simple(one.kind()) {
-            return false;
-        }
         let of_one = one.best_of(one.kind()).map_or(f64::INFINITY, |best| best.scatter().hypot(best.departure_size()));
         self.found.log_evidence > self.of_one + tuning.clearly && of_one > tuning.as_near * self.scatter()
     }

@@ -10,8 +10,9 @@
 //!
 //! Steepness is no measurement: it belongs to the prior, which knows that F is a distance. Without it F is 0 everywhere for the f that
 //! follows d not only where contacts lie. `t . grad F = 0` holds however steep the departure is, where a comparison of grad F with the
-//! normal would want |grad F| = 1. Gauss's and Newton's steps: with grad F of the surface that was found the equations are solved again. Rows divided by |grad F| of the step before
-//! were tried: F then grows steep where it passes contacts by, and scatter and evidence mean nothing.
+//! normal would want |grad F| = 1. Gauss's and Newton's steps: with grad F of the surface that was found the equations are solved again.
+//! Rows divided by |grad F| of the step before were tried: F then grows steep where it passes contacts by, and scatter and evidence mean
+//! nothing.
 
 use super::coordinates::{DepartureJet, DepartureOver};
 use super::mode::aligned;

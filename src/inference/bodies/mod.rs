@@ -5,7 +5,7 @@
 //! d(p_i; theta) = f(q_i) + e_i                                 f ~ GP(0, tau^2 exp(-|q - q'|^2 / 2 l^2)) over the feet q, or absent
 //! n_i = normal of the displaced base + error                   e ~ N(0, s^2), normals N(0, s_n^2) in each tangent direction
 //! a contact is false with probability eps                      then it lies anywhere within the reach, with any normal
-//! hypothesis = kind x length x size of the departure           evidence: exact in f, Laplace in theta, s integrated
+//! hypothesis = kind x length x size x reading of the departure evidence: exact in f, Laplace in theta, s integrated
 //! answer = one set of weighted draws of theta                  kind, S, R, radius, place, axis and map are all read from it
 //! ```
 //!
@@ -19,6 +19,8 @@ mod candidates;
 mod chart;
 mod coordinates;
 mod departure;
+mod departure_kernel;
+mod departure_reading;
 mod division;
 mod equations;
 mod evidence;
@@ -45,7 +47,7 @@ pub(crate) use body_posterior::BodyPosterior;
 pub(crate) use chart::BodyChart;
 pub(crate) use coordinates::Symmetry;
 pub(crate) use inference::{Verdict, infer, infer_primitives};
-pub(crate) use other_things::{Thing, scatter};
+pub(crate) use other_things::{Thing, is_simple, scatter};
 pub(crate) use posterior::{DrawnBase, PosteriorSpread, draws as drawn, spread};
 pub(crate) use sample::BodySample;
 pub use tuning::Tuning;

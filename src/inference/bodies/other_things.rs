@@ -87,7 +87,8 @@ pub(crate) fn scatter(things: &[Thing]) -> f64 {
 /// Log evidence of one smooth surface of any shape over the primitive next to all contacts, the best of its lengths and sizes.
 fn of_smooth(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> f64 {
     let Some(base) = next_to_all(known.iter()) else { return f64::NEG_INFINITY };
-    let linearised = LinearisedBase::new(base, sample, tuning).with_lengths(&tuning.free_lengths, tuning.free_features);
+    let linearised = LinearisedBase::new(base, sample, tuning);
+    let linearised = linearised.with_lengths(&tuning.free_lengths, tuning.free_features, tuning);
     let nodes = linearised.departed_nodes(0, &tuning.free_sizes, 0.0, tuning);
     nodes.map(|node| node.log_evidence).fold(f64::NEG_INFINITY, f64::max)
 }
@@ -186,7 +187,7 @@ fn may_hold_a_thing(rest: &BodySample, tuning: &Tuning) -> bool {
 const SIMPLE: [PartKind; 4] = [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone];
 
 /// Whether a kind does not follow two things at once, nor whatever smooth surface there is.
-pub(super) fn is_simple(kind: PartKind) -> bool {
+pub(crate) fn is_simple(kind: PartKind) -> bool {
     SIMPLE.contains(&kind)
 }
 

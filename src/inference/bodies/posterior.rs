@@ -5,7 +5,6 @@
 //! theta = likeliest + s sqrt(nu / chi^2_nu) L^-T z         z gaussian, L the factor of the precision: Student's law of s unknown
 //! ```
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
@@ -24,6 +23,12 @@ use palpate_numeric::vector::{Vector, along, axes_along, dot, minus, unit};
 
 /// Steps onto a surface: each squares what is left.
 const ONTO: usize = 4;
+
+/// Careful steps before these, on the way to a surface that departs by as much as the body is large.
+const TRACED: usize = 8;
+
+/// Distance, in units of the sample, within which Newton's steps are safe.
+const NEAR: f64 = 1e-3;
 
 /// Squared slope of F below which it has no direction.
 const FLAT: f64 = 1e-6;
@@ -79,11 +84,29 @@ impl DrawnBase {
             let (d, normal) = self.primitive.nearest(place);
             return along(place, -d, normal);
         }
-        (0..ONTO).fold(place, |p, _| {
+        let near = if self.is_level_set() { self.traced(place) } else { place };
+        (0..ONTO).fold(near, |p, _| {
             let jet = self.jet(p);
             let square = dot(jet.gradient, jet.gradient).max(FLAT);
             along(p, -jet.value / square, jet.gradient)
         })
+    }
+
+    /// A place near the surface by steps that do not pass through it: F is about a distance, and grows by no more than it says. Newton's own
+    /// are long where F is flat, and led through a thin neck to its other side.
+    ///
+    /// J. C. Hart, *The Visual Computer* 12 (1996) 527.
+    fn traced(&self, place: Vector) -> Vector {
+        let mut p = place;
+        for _ in 0..TRACED {
+            let jet = self.jet(p);
+            let steepness = dot(jet.gradient, jet.gradient).max(FLAT).sqrt();
+            if jet.value.abs() < NEAR * steepness {
+                break;
+            }
+            p = along(p, -jet.value / (steepness * steepness.max(1.0)), jet.gradient);
+        }
+        p
     }
 
     /// Place and unit normal of the surface over a place of the primitive.
@@ -161,20 +184,6 @@ pub(crate) struct SurfaceReading {
     pub(crate) curvatures: [f64; 2],
 }
 
-/// Probability that a departure is an error of the sensor and not shape, by its size r in standard deviations of a contact.
-///
-/// ```text
-/// error  p(r) = 2 / (pi (1 + r^2))      shared errors are as large as a contact's own, seldom far larger
-/// shape  p(r) = 1 / (r ln(most / least))     of any size
-/// ```
-fn is_sensor_error(node: &BodyHypothesis, tuning: &Tuning) -> f64 {
-    let Some([_, r]) = node.departure else { return 0.0 };
-    let ends = tuning.departures.iter().fold([f64::INFINITY, 0.0_f64], |[lo, hi], r| [lo.min(*r), hi.max(*r)]);
-    let of_error = tuning.departure_is_error * 2.0 / (PI * (1.0 + r * r));
-    let of_shape = (1.0 - tuning.departure_is_error) / (r * (ends[1] / ends[0]).ln().max(1.0));
-    of_error / (of_error + of_shape)
-}
-
 /// Draws of all kinds by their weights.
 pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Vec<DrawnBase> {
     let count = tuning.draws;
@@ -196,9 +205,8 @@ pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Ve
             let drawn = node.moved_by(&base, &step);
             // a radius below zero is no body: the likeliest stands for it
             let primitive = if is_possible(&drawn) { drawn } else { node.likeliest(&base) };
-            let as_error = if posterior.is_free { 0.0 } else { is_sensor_error(node, tuning) };
-            // draws of every node are read both ways
-            let is_error = evenly(found.len()) < as_error;
+            // where nothing tells which it is, draws of a node are read both ways
+            let is_error = evenly(found.len()) < node.is_error(tuning);
             let process = node.process.clone().filter(|_| !is_error);
             let departure = process.map(|process| {
                 let coefficients = process.coefficients(&step[..weights]);

@@ -12,6 +12,9 @@ use faer::{Mat, MatMut};
 
 use super::coordinates::DepartureOver;
 use super::departure::DepartureProcess;
+use super::departure_kernel::DepartureKernel;
+use super::departure_reading::DepartureReading;
+use super::kernel_layer::spread;
 use super::mode::aligned;
 use super::sample::BodySample;
 use crate::dense;
@@ -41,6 +44,8 @@ pub(super) struct RowGrams {
     pub(super) steepness: Option<Mat<f64>>,
     /// Number of the columns w.
     pub(super) places: usize,
+    /// What the departure is.
+    pub(super) reading: DepartureReading,
     /// What the columns w are those of.
     pub(super) process: Option<Arc<DepartureProcess>>,
 }
@@ -95,16 +100,38 @@ impl BaseRows {
     /// Without a departure.
     pub(super) fn grams(&self) -> RowGrams {
         let of = [&self.distances, &self.tangential].map(|rows| dense::gram(rows.as_ref()));
-        RowGrams { of, steepness: None, places: 0, process: None }
+        RowGrams { of, steepness: None, places: 0, reading: DepartureReading::Untold, process: None }
+    }
+
+    /// Where a departure may be carried: at the contacts, and on both sides of those whose normals tell slopes, if it is as large as the
+    /// body. So many slopes are followed by so many more places.
+    fn carriers(&self, aside: f64) -> Vec<Vector> {
+        let sides = |(r, tangents): &(usize, [Vector; 2])| {
+            let place = self.places[*r];
+            tangents.map(|t| [along(place, aside, t), along(place, -aside, t)]).into_iter().flatten()
+        };
+        let told = self.across.iter().filter(|_| self.over != DepartureOver::Feet);
+        self.places.iter().copied().chain(told.flat_map(sides)).collect()
     }
 
     /// With one of a length, carried by so many places at most, and with a broad one where it is as large as the body; `None` where its
     /// places do not carry it.
-    pub(super) fn grams_with(&self, length: f64, broad: f64, most: usize) -> Option<RowGrams> {
-        let process = DepartureProcess::new(&self.places, self.over, length, most)?;
-        let process = match self.over {
-            DepartureOver::Feet => process,
-            _ => process.beside_broad(&self.places, broad, most)?,
+    pub(super) fn grams_with(
+        &self,
+        of: DepartureKernel,
+        broad: Option<DepartureKernel>,
+        most: usize,
+    ) -> Option<RowGrams> {
+        // of a place with one number of its own it is not told whether that is noise
+        let numbers = self.distances.nrows() + self.tangential.nrows();
+        if self.over != DepartureOver::Feet && 2 * spread(&self.places, of.length, most).len() > numbers {
+            return None;
+        }
+        let carriers = self.carriers(of.apart * of.length);
+        let process = DepartureProcess::new(&carriers, self.over, of, most)?;
+        let process = match broad {
+            Some(broad) => process.beside_broad(&carriers, broad, most)?,
+            None => process,
         };
         let places = process.len();
         let mut distances = beside(&self.distances, places);
@@ -129,7 +156,12 @@ impl BaseRows {
         carried(steepness.as_mut());
         let of = [distances, tangential].map(|rows| dense::gram(rows.as_ref()));
         let steepness = (!self.upward.is_empty()).then(|| dense::gram(steepness.as_ref()));
-        Some(RowGrams { of, steepness, places, process: Some(Arc::new(process)) })
+        let reading = match self.over {
+            DepartureOver::Feet if self.across.is_empty() => DepartureReading::Untold,
+            DepartureOver::Feet => DepartureReading::Followed,
+            _ => DepartureReading::Shape,
+        };
+        Some(RowGrams { of, steepness, places, reading, process: Some(Arc::new(process)) })
     }
 }
 
@@ -141,6 +173,26 @@ fn beside(rows: &Mat<f64>, places: usize) -> Mat<f64> {
 }
 
 impl RowGrams {
+    /// Length of the departure.
+    pub(super) fn length(&self) -> Option<f64> {
+        self.process.as_ref().map(|process| process.kernel().length)
+    }
+
+    /// The same where normals do not follow the departure: they are those of the base alone, whose Gram matrices are given.
+    pub(super) fn unfollowed(&self, base: &RowGrams) -> RowGrams {
+        let [distances, normals] = &self.of;
+        let mut alone = Mat::zeros(normals.nrows(), normals.ncols());
+        let own = base.of[1].ncols();
+        alone.as_mut().submatrix_mut(self.places, self.places, own, own).copy_from(&base.of[1]);
+        RowGrams {
+            of: [distances.clone(), alone],
+            steepness: None,
+            places: self.places,
+            reading: DepartureReading::SensorError,
+            process: self.process.clone(),
+        }
+    }
+
     /// Sum over the contacts of the squared departure, less what a move of the primitive takes up of it: the two trade where the departure is
     /// long, and only their sum is told.
     ///

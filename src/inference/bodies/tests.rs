@@ -330,3 +330,25 @@ fn a_part_of_a_pipe_that_departs_is_a_pipe_or_a_cone() {
         every.into_iter().for_each(|p| assert!(super::mode::is_possible(&p), "{p:?}"));
     }
 }
+
+/// Bumps on a ball whose normals follow them are likelier shape. The same heights with the normals of the ball are errors that neighbours share.
+#[test]
+fn normals_tell_shape_from_an_error_that_neighbours_share() {
+    let tuning = Tuning::default();
+    for follow in [true, false] {
+        let mut generator = Lcg::new(61);
+        let one = |_| {
+            let from = unit([0, 1, 2].map(|_| gaussian(&mut generator)));
+            let (height, slope) = (0.06 * (4.0 * from[0]).sin(), 0.24 * (4.0 * from[0]).cos());
+            let uphill = along([slope, 0.0, 0.0], -slope * from[0], from).map(|g| g / (2.0 + height));
+            let normal = if follow { unit(along(from, -1.0, uphill)) } else { from };
+            let off = [0, 1, 2].map(|_| 0.01 * gaussian(&mut generator));
+            (from.map(|v| v * (2.0 + height + 0.004 * gaussian(&mut generator))), unit(along(normal, 1.0, off)))
+        };
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..80).map(one).unzip();
+        let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
+        let (Verdict::One(found) | Verdict::Free(_, Some(found))) = infer(&sample, &tuning) else { panic!("{follow}") };
+        let departing: f64 = draws(&found, &tuning, 7).iter().filter(|d| d.departs()).map(|d| d.share).sum();
+        assert!(if follow { departing > 0.6 } else { departing < 0.05 }, "{follow}: {departing}");
+    }
+}

@@ -1,5 +1,7 @@
 //! The settings that decide about bodies, all of them, each with its default and where that comes from.
 
+use std::f64::consts::{E, PI};
+
 /// What decides how contacts of whole or strongly bent bodies are judged. The defaults serve a user who names nothing.
 ///
 /// ```
@@ -17,6 +19,8 @@ pub struct Tuning {
     /// Lengths of departures from a primitive, in root mean square distances of the contacts from their middle: from half the body
     /// to a tenth of it.
     pub lengths: [f64; 3],
+    /// Lengths by which the places that carry a departure are apart: nearer ones tell nothing that their neighbour does not.
+    pub apart: f64,
     /// Sizes of departures, in standard deviations of a single contact. Octaves of four: evidence is a smooth function of their logarithm.
     pub departures: [f64; 4],
     /// Prior probability of no departure at all.
@@ -32,6 +36,9 @@ pub struct Tuning {
     /// Probability that a departure is an error of the sensor and not shape, before its size is looked at: even, since contacts of one
     /// sensor do not tell.
     pub departure_is_error: f64,
+    /// Probability that normals were measured by themselves, and not computed from the places, whose errors they then follow: a file does
+    /// not tell.
+    pub own_normals: f64,
     /// The prior of the share of false contacts is Beta(1, this): one in twenty is expected.
     pub false_prior: f64,
     /// Largest share of false contacts: beyond it the others are the body.
@@ -49,6 +56,9 @@ pub struct Tuning {
     pub all_round: f64,
     /// Lengths of a free surface's departure from its base.
     pub free_lengths: [f64; 4],
+    /// Lengths by which the places that carry it are apart: on the way to its mode, and then where it bends evenly and where it does not. A
+    /// departure is many times the noise, and what is lost of it between the places must be less.
+    pub free_apart: [f64; 3],
     /// Sizes of that departure, in standard deviations of a single contact: up to a third of the body for the most exact sensor.
     pub free_sizes: [f64; 6],
     /// By how much the slope of an implicit surface may differ from 1 along its normal, a standard deviation: it is a distance nearby.
@@ -114,6 +124,9 @@ pub struct Tuning {
     pub as_near: f64,
     /// Share of all contacts that three things or more hold where two alone do not explain them better than one.
     pub things_hold: f64,
+    /// Share of all contacts that planes, balls, bars and cones hold where a cut into many takes the place of one surface: a scan leaves some
+    /// at every edge.
+    pub primitives_hold: f64,
     /// First things, the likeliest, of which the second is looked for.
     pub firsts: usize,
     /// Log evidence by which two things must be ahead of one.
@@ -157,12 +170,14 @@ impl Default for Tuning {
         Tuning {
             kinds: [1.0; 6],
             lengths: [0.2, 0.45, 1.0],
+            apart: 0.7,
             departures: [0.5, 2.0, 8.0, 32.0],
             exact: 0.5,
             log_ratio: [-1.0, 1.6],
             other_shape: [0.06, 0.1],
             other_body: 0.05,
             departure_is_error: 0.5,
+            own_normals: 0.5,
             false_prior: 20.0,
             false_most: 0.5,
             reach: 2.0,
@@ -171,6 +186,7 @@ impl Default for Tuning {
             free_from: [20, 40],
             all_round: 0.5,
             free_lengths: [0.15, 0.3, 0.6, 1.2],
+            free_apart: [0.4, 0.2, 0.12],
             free_sizes: [8.0, 32.0, 128.0, 512.0, 2048.0, 8192.0],
             free_steepness: 0.1,
             free_broad: [2.0, 2.0],
@@ -202,6 +218,7 @@ impl Default for Tuning {
             sharper: 0.5,
             as_near: 1.2,
             things_hold: 0.95,
+            primitives_hold: 0.8,
             firsts: 4,
             clearly: 10.0,
             row: 0.05,
@@ -220,5 +237,12 @@ impl Default for Tuning {
             supported: [3.0, 1.5],
             surrounded: 0.5,
         }
+    }
+}
+
+impl Tuning {
+    /// Scatter, in the same unit as lengths, of contacts that are as likely as those that belong to nothing: anywhere within the reach.
+    pub(crate) fn scatter_of_none(&self) -> f64 {
+        self.reach / (2.0 * PI * E).sqrt()
     }
 }

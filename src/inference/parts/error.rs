@@ -26,13 +26,9 @@ pub enum PartsError {
     NoExtent,
     /// Neighbouring normals have nothing to do with each other.
     #[error(
-        "neighbouring normals agree in {percent:.0} % of the pairs only, so they are no normals of a surface; leave them out, and they are \
-         estimated from the positions"
+        "neighbouring normals point all ways, so they are no normals of a surface; leave them out, and they are estimated from the positions"
     )]
-    Normals {
-        /// Pairs of nearest neighbours that are parallel up to 45 degrees, either way.
-        percent: f64,
-    },
+    Normals,
     /// An option is out of its range.
     #[error("{option} = {value}: {expected}")]
     Option {

@@ -21,6 +21,9 @@ const SMOOTH: f64 = 0.3;
 /// The same quantile of a gaussian.
 const SMOOTH_GAUSSIAN: f64 = -0.5244;
 
+/// Cosine between the normals of two neighbours below which they are on no one sheet.
+const FACES_AWAY: f64 = 0.2;
+
 /// Noise below this share of the cloud's size is rounding.
 pub(super) const ROUNDING: f64 = 1e-10;
 
@@ -101,17 +104,19 @@ fn local_shape(cloud: &Cloud, i: usize, nearest: usize, noise: &Noise) -> LocalS
         let offset = minus(cloud.points[j as usize], cloud.points[i]);
         let [x, y, z] = axes.map(|axis| dot(axis, offset) / length);
         let [nx, ny, nz] = axes.map(|axis| dot(axis, cloud.normals[j as usize]));
+        // what faces away is another wall, or lies beyond an edge
+        if nz <= FACES_AWAY {
+            continue;
+        }
         let heavy = length / noise.distance;
         rows.push((
             [heavy, heavy * x, heavy * y, 0.5 * heavy * x * x, heavy * x * y, 0.5 * heavy * y * y],
             heavy * z,
             0,
         ));
-        if nz > 0.2 {
-            let heavy = nz * nz / noise.normal;
-            rows.push(([0.0, heavy, 0.0, heavy * x, heavy * y, 0.0], -heavy * nx / nz, 1));
-            rows.push(([0.0, 0.0, heavy, 0.0, heavy * x, heavy * y], -heavy * ny / nz, 1));
-        }
+        let heavy = nz * nz / noise.normal;
+        rows.push(([0.0, heavy, 0.0, heavy * x, heavy * y, 0.0], -heavy * nx / nz, 1));
+        rows.push(([0.0, 0.0, heavy, 0.0, heavy * x, heavy * y], -heavy * ny / nz, 1));
     }
     solved(&rows, length, noise).unwrap_or(LocalShape {
         principal: None,

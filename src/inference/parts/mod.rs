@@ -43,7 +43,6 @@ mod joining;
 mod joints;
 mod lack_of_fit_uncertainty;
 mod local;
-mod normal_orientation;
 mod object_match;
 mod options;
 mod pair_geometry;
@@ -52,6 +51,7 @@ mod point_shapes;
 mod recognition_fallback;
 mod relations;
 mod result;
+mod rival;
 mod scale_selection;
 mod scatter;
 mod settling;
@@ -78,6 +78,7 @@ pub use result::{Part, PartGeometry, PartUncertainty, Parts};
 pub use tuning::PartsTuning;
 
 use palpate_geometry::contact::Contacts;
+use palpate_geometry::neighbours::{Oriented, oriented};
 use palpate_numeric::vector::{Vector, dot, minus, norm, scaled};
 
 use answer::Findings;
@@ -185,8 +186,11 @@ fn normals(
     notes: &mut Vec<String>,
 ) -> Result<Sided, PartsError> {
     let given: Option<Vec<Vector>> = (0..contacts.len()).map(|r| contacts.unit_normal(r)).collect();
-    if let Some(mut normals) = given {
-        let turned = normal_orientation::one_side(points, &mut normals)?;
+    if let Some(normals) = given {
+        let Oriented { normals, consistent, flipped: turned, .. } = oriented(points, normals, None);
+        if !consistent {
+            return Err(PartsError::Normals);
+        }
         if turned > 0 {
             notes.push(format!(
                 "{turned} of {} normals point to the other side than their neighbours' and were reversed",

@@ -50,6 +50,17 @@ impl Partition {
         held >= tuning.nearly_all * self.labels.len() as f64
     }
 
+    /// Whether nearly all normals point to the free side of their part: two walls that face opposite ways are no one part, however near they
+    /// are to each other.
+    fn is_one_sided(&self, cloud: &Cloud, most_against: f64) -> bool {
+        let against = |i: &usize| {
+            let part = self.labels[*i];
+            part != NONE && dot(self.parts[part as usize].nearest(cloud.points[*i]).1, cloud.normals[*i]) < 0.0
+        };
+        let count = cloud.len();
+        (0..count).filter(against).count() as f64 <= most_against * count as f64
+    }
+
     /// How long it is to tell, in natural units of information.
     pub(super) fn description_length(&self, cloud: &Cloud) -> f64 {
         let mut off = vec![Vec::new(); self.parts.len()];
@@ -74,7 +85,8 @@ impl Partition {
 pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Partition> {
     let normals: &[Vector] = if measured { &cloud.normals } else { &[] };
     let sample = BodySample::new(&cloud.points, normals, [0.0; 2])?;
-    let tuning = Tuning::default();
+    // normals of a scan are computed from its places
+    let tuning = Tuning { own_normals: 0.0, ..Tuning::default() };
     let mut things: Vec<Thing> = match bodies::infer_primitives(&sample.at_most(LOOKED_AT), &tuning) {
         Verdict::One(posterior) => {
             let kind = posterior.kind();
@@ -92,8 +104,11 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
     let reached: Vec<Vec<u32>> = sample.points.iter().map(|p| within_reach(*p, &things, tuning.belongs)).collect();
     let mut labels: Vec<u32> = (0..cloud.len()).map(|i| label(i, &reached, &things, cloud, measured)).collect();
     let things = with_contacts(things, &mut labels);
-    let parts = things.iter().zip(0..).map(|(thing, k)| facing(thing.primitive, k, &labels, cloud)).collect();
-    (!things.is_empty()).then_some(Partition { parts, labels })
+    let parts: Vec<Primitive> =
+        things.iter().zip(0..).map(|(thing, k)| facing(thing.primitive, k, &labels, cloud)).collect();
+    let whole = Partition { parts, labels };
+    let stands = !things.is_empty() && (!measured || whole.is_one_sided(cloud, tuning.decisive));
+    stands.then_some(whole)
 }
 
 /// One primitive for all contacts, begun at the parts, where it holds nearly all of them and they scatter little about it. Distances alone
@@ -152,7 +167,8 @@ fn facing(primitive: Primitive, part: u32, labels: &[u32], cloud: &Cloud) -> Pri
         let outwards = primitive.nearest(cloud.points[i]).1;
         (0..3).map(|k| outwards[k] * cloud.normals[i][k]).sum::<f64>().signum()
     };
-    Primitive { side: if own.map(towards).sum::<f64>() < 0.0 { -1.0 } else { 1.0 }, ..primitive }
+    let turned = if own.map(towards).sum::<f64>() < 0.0 { -1.0 } else { 1.0 };
+    Primitive { side: turned * primitive.side, ..primitive }
 }
 
 #[cfg(test)]

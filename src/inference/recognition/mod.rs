@@ -127,6 +127,7 @@ fn recognise_given(
     let either = |found: Recognition| if found.side_known { found } else { whole_body::of_either_side(found) };
     let patch = recognise_patch(&given, asked, options).map(either);
     let patch = patch.and_then(|found| whole_body::beside_a_line(found, &given, &options.tuning));
+    let patch = patch.and_then(|found| whole_body::within_its_noise(found, &given, &options.tuning));
     whole_body::instead(patch, &given, asked.touches, options)
 }
 

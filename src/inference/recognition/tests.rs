@@ -187,6 +187,19 @@ fn the_map_lies_on_the_surface_and_the_grid_way_agrees() {
     }
 }
 
+/// Means over cells of two sheets that mirror each other lie on a plane.
+#[test]
+fn a_body_that_mirrors_itself_is_no_plane() {
+    let height = |x: f64, y: f64| 0.4 + 0.15 * (4.0 * x).sin() * (3.0 * y).cos();
+    let side: Vec<Vector> = (0..1500)
+        .map(|i| [1.9, 1.3].map(|share| 2.0 * (f64::from(i) * 0.618 * share).fract() - 1.0))
+        .map(|[x, y]| [x, 1.4 * y, height(x, y)])
+        .collect();
+    let both: Vec<Vector> = side.iter().flat_map(|&[x, y, z]| [[x, y, z], [x, y, -z]]).collect();
+    let found = Recognition::of(&Contacts::from_points(&both), &RecognitionOptions::default());
+    assert!(!found.is_ok_and(|found| found.hypothesis == Hypothesis::Plane));
+}
+
 #[test]
 fn what_is_no_patch_is_refused_with_a_reason() {
     let refused = |points: &[Vector]| {
@@ -376,4 +389,14 @@ fn smooth_surfaces_are_told_from_creased_ones() {
         let crease = lead(&|x, y| -0.4 * ((x - 0.1 * y * y).powi(2) + 0.1).sqrt(), seed);
         assert!(bump > 3.0 && crease < -3.0, "{seed}: {bump} and {crease}");
     }
+}
+
+/// A sheet in waves is neither a bar nor whatever follows the contacts: S is a half to either side everywhere.
+#[test]
+fn waves_are_drawn_along_a_line() {
+    let found = recognised(&patch(|x, y| (1.2 * (0.8 * x - 0.6 * y)).sin(), 120, 0.01, 12));
+    assert_eq!(found.hypothesis, Hypothesis::Extrusion);
+    assert!(dot(found.axis.unwrap(), [0.6, 0.8, 0.0]).abs() > 0.999, "{:?}", found.axis);
+    let supported: Vec<f64> = found.map.iter().filter(|p| p.supported).filter_map(|p| p.shape_index).collect();
+    assert!(supported.len() > 20 && supported.iter().all(|s| (s.abs() - 0.5).abs() < 1e-6), "{supported:?}");
 }

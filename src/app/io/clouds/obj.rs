@@ -1,5 +1,5 @@
-//! OBJ: `v x y z`, `vn x y z`, and faces `f v/vt/vn ...`, which are [sampled](crate::io::facets) where they are coarse, and otherwise
-//! only say which normal belongs to which vertex.
+//! OBJ: `v x y z`, `vn x y z`, and faces `f v/vt/vn ...`, which are [facets](crate::io::facets), and say which normal belongs to which
+//! vertex.
 //!
 //! A vertex that several normals belong to gets their mean direction. Without faces the k-th normal belongs to the k-th
 //! vertex, where there are as many of both. Wavefront Technologies, "Object Files (.obj)".
@@ -52,7 +52,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
     let mut reading = columns.into_reading(file, (lines, Unit::Line), options)?;
     match model.places.len() - kept.len() {
         0 if normals.is_none() && model.faces > 0 => {
-            reading.notes.push("OBJ without vertex normals: its faces are not used".into());
+            reading.notes.push("OBJ without vertex normals: its faces are too few or too rough to tell any".into());
         }
         0 => {}
         bare => reading.notes.push(format!("{bare} vertices that no normal belongs to left out")),

@@ -1,6 +1,6 @@
 //! OFF: `[ST][C][N]OFF`, the counts of vertices, faces and edges, then a line a vertex: place, normal where the word has
-//! an N, colour where it has a C. Then a line a face: the number of its corners, their vertices, a colour. Coarse faces are
-//! [sampled](crate::io::facets), others not used.
+//! an N, colour where it has a C. Then a line a face: the number of its corners, their vertices, a colour. They are
+//! [facets](crate::io::facets).
 //!
 //! Geomview, "OFF Files".
 
@@ -67,7 +67,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
     }
     let mut reading = columns.into_reading(file, (numbers, Unit::Line), options)?;
     if fields == 3 {
-        reading.notes.push("OFF without normals: its faces are not used".into());
+        reading.notes.push("OFF without normals: its faces are too few or too rough to tell any".into());
     }
     Ok(reading)
 }

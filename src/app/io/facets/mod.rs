@@ -1,4 +1,5 @@
-//! Coarse triangle meshes are surfaces: what they say of the surface stands between their vertices, and is sampled there.
+//! Triangle meshes are surfaces. Of a coarse one, what it says of the surface stands between its vertices, and is sampled there; of a
+//! fine one the vertices say where the surface lies, and the facets around them which way it faces ([`vertices`]).
 //!
 //! ```text
 //! h = sqrt(area / 2000)                        spacing of 2000 contacts over the whole
@@ -13,9 +14,9 @@
 //!
 //! A program that draws a cylinder needs vertices on its two rims only, and normals that are means around a vertex lean there
 //! over the edge. A scanner's mesh has a vertex wherever it measured. The rule looks at the facets and not at who wrote them: every
-//! facet stands for as many contacts as its area holds at the spacing h. Where all facets are small each stands for less than one,
-//! the vertices say all there is to say, and are read as they always were. The share of a tenth, and not the largest facet, decides,
-//! so that a scan with a filled hole stays a scan; 2 h and not h, because triangles of one mesh differ by about that much.
+//! facet stands for as many contacts as its area holds at the spacing h. Where all facets are small each stands for less than one, and
+//! the mesh is fine. The share of a tenth, and not the largest facet, decides, so that a scan with a filled hole stays a scan; 2 h and
+//! not h, because triangles of one mesh differ by about that much.
 //! More than 2000 contacts tell an exact surface nothing new and take longer; fewer leave small faces too few.
 //!
 //! Vertices lie on the surface and facets beside it. The points that are kept lie on the surface, too; how far the facets leave it
@@ -28,6 +29,7 @@ mod samples;
 mod seams;
 mod sectors;
 mod straight;
+mod vertices;
 mod winding;
 
 use palpate_numeric::vector::{Vector, cross, minus, norm, unit_or_zero};
@@ -109,20 +111,27 @@ impl Facets {
     }
 }
 
-/// Contacts on the facets of a coarse mesh.
+/// Contacts on the facets of a mesh.
 pub(super) struct FacetContacts {
     samples: Vec<FacetSample>,
     /// How many of them are vertices.
     vertices: usize,
     /// Some facets meet in a sharp edge.
     has_edges: bool,
-    /// How far the facets are from the surface between the contacts.
-    open: f64,
+    sampling: Sampling,
 }
 
-/// Contacts on the surface that `triangles` between `places` stand for. `None` where the vertices are to be read as they are: the mesh
-/// is fine, or what it has are no facets; it is bent everywhere, and most vertices stand at rims; the file has normals of its own,
-/// and no edges at which they are means of several faces.
+/// How the contacts of a mesh were chosen.
+enum Sampling {
+    /// Between the vertices, where the facets are at most so far from the surface.
+    Between { open: f64 },
+    /// At the vertices but those on edges.
+    AtVertices { on_edges: usize },
+}
+
+/// Contacts on the surface that `triangles` between `places` stand for. `None` where the vertices are to be read as they are: what the
+/// mesh has are no facets, or they follow the noise of a scan; it is bent everywhere, and most vertices stand at rims; the file has normals
+/// of its own, and the mesh is fine or has no edges at which they are means of several faces.
 pub(super) fn sampled(places: &[Vector], triangles: &[[usize; 3]], has_normals: bool) -> Option<FacetContacts> {
     let sound = triangles.len() >= FEWEST_TRIANGLES
         && places.iter().flatten().all(|v| v.is_finite())
@@ -131,8 +140,11 @@ pub(super) fn sampled(places: &[Vector], triangles: &[[usize; 3]], has_normals: 
         return None;
     }
     let facets = Facets::of(places.to_vec(), triangles);
-    if facets.len() < FEWEST_TRIANGLES || !facets.size.is_finite() || !facets.is_coarse() {
+    if facets.len() < FEWEST_TRIANGLES || !facets.size.is_finite() {
         return None;
+    }
+    if !facets.is_coarse() {
+        return if has_normals { None } else { vertices::at_vertices(joined::joined(facets)) };
     }
     let facets = joined::joined(facets);
     let vertices = facets.places.len();
@@ -169,11 +181,21 @@ impl FacetContacts {
 
     fn note(&self, form: &str) -> String {
         let places = self.samples.len();
-        let start = format!("{form}: the mesh is coarse, and its facets are sampled at {places} places");
-        match self.open {
-            0.0 => format!("{start}; all its faces are flat"),
-            open => {
+        match self.sampling {
+            Sampling::Between { open } => {
+                let start = format!("{form}: the mesh is coarse, and its facets are sampled at {places} places");
+                if open == 0.0 {
+                    return format!("{start}; all its faces are flat");
+                }
                 format!("{start}; between these the facets lie up to {open:.1e} beside the surface that they stand for")
+            }
+            Sampling::AtVertices { on_edges } => {
+                let start = format!("{form}: the vertices of the mesh have normals from the triangles around each");
+                if on_edges == 0 {
+                    start
+                } else {
+                    format!("{start}; {on_edges} on edges have no one normal and are left out")
+                }
             }
         }
     }

@@ -16,7 +16,7 @@ use super::seams::{Seam, SeamKind, Seams, angle};
 use super::sectors::Sectors;
 use super::straight::{apart, leans};
 use super::winding;
-use super::{FacetContacts, Facets};
+use super::{FacetContacts, Facets, Sampling};
 
 /// Contacts along a seam for each width of the facets beside it: more would stand in lines, not on a surface.
 const ALONG: f64 = 4.0;
@@ -59,15 +59,19 @@ pub(super) fn of(mut facets: Facets) -> FacetContacts {
     let sectors = Sectors::of(&facets, &seams);
     let smooth: Vec<Seam> = seams.all.iter().filter(|seam| seam.kind == SeamKind::Smooth).copied().collect();
     let (bent, straight) = apart(&facets, &sectors, smooth);
-    let mut found = FacetContacts { samples: Vec::new(), vertices: 0, has_edges: false, open: 0.0 };
+    let sampling = Sampling::Between { open: 0.0 };
+    let mut found = FacetContacts { samples: Vec::new(), vertices: 0, has_edges: false, sampling };
     found.has_edges = seams.all.iter().any(|seam| seam.kind == SeamKind::Joint && seam.facets[0] != seam.facets[1]);
-    along_seams(&facets, &straight, &mut found);
-    at_ends(&facets, &sectors, [&bent, &straight], &mut found);
+    let beside = along_seams(&facets, &straight, &mut found);
+    let open = beside.max(at_ends(&facets, &sectors, [&bent, &straight], &mut found));
+    found.sampling = Sampling::Between { open };
     within_faces(&facets, &flat, &mut found);
     found
 }
 
-fn along_seams(facets: &Facets, straight: &[Seam], found: &mut FacetContacts) {
+/// Gives back how far the facets are from the surface beside the seams.
+fn along_seams(facets: &Facets, straight: &[Seam], found: &mut FacetContacts) -> f64 {
+    let mut open: f64 = 0.0;
     let length = |seam: &Seam| norm(minus(facets.places[seam.ends[1]], facets.places[seam.ends[0]]));
     // a facet's area is that of its straight seams, by their lengths
     let mut lengths = vec![0.0; facets.len()];
@@ -86,11 +90,14 @@ fn along_seams(facets: &Facets, straight: &[Seam], found: &mut FacetContacts) {
             normal: unit_or_zero(along(n, 1.0, m)),
             facet: seam.facets[0],
         }));
-        found.open = found.open.max(width * angle(facets, seam.facets[0], seam.facets[1]) / 8.0);
+        open = open.max(width * angle(facets, seam.facets[0], seam.facets[1]) / 8.0);
     }
+    open
 }
 
-fn at_ends(facets: &Facets, sectors: &Sectors, [bent, straight]: [&[Seam]; 2], found: &mut FacetContacts) {
+/// Gives back how far the facets are from the surface beneath the seams.
+fn at_ends(facets: &Facets, sectors: &Sectors, [bent, straight]: [&[Seam]; 2], found: &mut FacetContacts) -> f64 {
+    let mut open: f64 = 0.0;
     let mut areas = vec![0.0; 3 * facets.len()];
     for (facet, corners) in facets.corners.iter().enumerate() {
         corners.iter().for_each(|&v| areas[sectors.at(facets, facet, v)] += facets.areas[facet] / 3.0);
@@ -104,7 +111,7 @@ fn at_ends(facets: &Facets, sectors: &Sectors, [bent, straight]: [&[Seam]; 2], f
     for seam in bent {
         let [from, to] = leans(facets, sectors, seam);
         let length = norm(minus(facets.places[seam.ends[1]], facets.places[seam.ends[0]]));
-        found.open = found.open.max(length * (from + to).abs() / 8.0);
+        open = open.max(length * (from + to).abs() / 8.0);
         for end in seam.ends {
             let facet = seam.facets[0];
             let sector = sectors.at(facets, facet, end);
@@ -117,6 +124,7 @@ fn at_ends(facets: &Facets, sectors: &Sectors, [bent, straight]: [&[Seam]; 2], f
             }
         }
     }
+    open
 }
 
 fn within_faces(facets: &Facets, flat: &[bool], found: &mut FacetContacts) {

@@ -19,6 +19,7 @@
 use crate::recognition::start::thinned;
 use palpate_fitting::fit::{Fit, FitError, FitOptions, fit_contacts, fit_contacts_over};
 use palpate_geometry::contact::{Contacts, Frame, Orientation};
+use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::draws::evenly;
 use palpate_numeric::vector::Vector;
 
@@ -51,6 +52,10 @@ const PER_FINE_UNKNOWN: f64 = 1.3;
 /// Contacts among which blocks are left out; more would take longer and choose the same.
 const MOST_CONTACTS: usize = 10_000;
 
+/// Difference of heights between contacts over nearly the same place, in units of the relief, above which they lie on several sheets: two
+/// that go round a body differ by as much as the relief, and no field comes nearer to both.
+const SHEETS: f64 = 0.7;
+
 /// A height field, and how well it predicts.
 #[derive(Clone, Debug)]
 pub struct Flexible {
@@ -64,7 +69,8 @@ pub struct Flexible {
     pub relief: f64,
 }
 
-/// Chooses the segments and fits over these axes (rows x, y, z). `None` where there are too few contacts to leave any out.
+/// Chooses the segments and fits over these axes (rows x, y, z). `None` where there are too few contacts to leave any out, and where they
+/// lie on several sheets.
 pub fn flexible(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) -> Option<Result<Flexible, FitError>> {
     let frame = Frame { axes, ..Frame::IDENTITY };
     let point = |r: usize| [contacts.x[r], contacts.y[r], contacts.z[r]];
@@ -74,6 +80,9 @@ pub fn flexible(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) ->
     let [x, y, z] = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).collect());
     let few = Contacts { x, y, z, orientation: Orientation::None, ..contacts.clone() }.in_order(&chosen);
     let relief = relief(&points);
+    if are_sheets(&few, relief) {
+        return None;
+    }
     let box_of = [extent(&few.x), extent(&few.y)];
     let predicted = |tried: &Vec<([usize; 2], f64)>| tried.iter().any(|t| t.1 < UNPREDICTED * relief);
     let mut tried = each_left_out(&few, box_of, relief, LeftOut::Blocks);
@@ -92,6 +101,15 @@ pub fn flexible(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) ->
         fit_contacts_over(&Contacts { orientation: Orientation::None, ..contacts.clone() }, axes, &options)
     });
     Some(fit.map(|fit| Flexible { fit, tried, error, relief }))
+}
+
+/// Whether contacts next to each other over x and y differ in height as those of several sheets do.
+fn are_sheets(few: &Contacts, relief: f64) -> bool {
+    let places: Vec<Vector> = few.x.iter().zip(&few.y).map(|(x, y)| [*x, *y, 0.0]).collect();
+    let tree = Neighbours::new(&places);
+    let apart = |i: usize| Some(few.z[i] - few.z[tree.nearest_other(i)?.1]);
+    let squares: Vec<f64> = (0..few.len()).filter_map(apart).map(|dz| 0.5 * dz * dz).collect();
+    squares.iter().sum::<f64>() > SHEETS * SHEETS * relief * relief * squares.len().max(1) as f64
 }
 
 /// What is left out at a time.

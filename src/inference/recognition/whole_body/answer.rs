@@ -1,25 +1,49 @@
 //! The posterior of a body as a recognition: every number is read from the same weighted draws.
 
 use palpate_geometry::contact::Frame;
-use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
+use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::vector::{Vector, cross, dot, norm, reject, unit_or_zero};
 
 use super::drawn_map::DrawnMap;
+use super::drawn_shapes::{classes, free_form, mean_curvatures, variation};
 use super::exchanged_axes::agreeing_order;
 use super::kept_draws::{is_flat, kept_draws};
 use super::predicted_touches::predicted_over;
 use crate::bodies::{
-    BodyChart, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Symmetry, Tuning, drawn, spread,
+    BodyChart, BodyHypothesis, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Symmetry, drawn, is_simple,
+    spread,
 };
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::recognition::contacts::Observations;
 use crate::recognition::{
-    Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSurface, Recognition, RecognitionError,
+    Estimate, Hypothesis, Misfit, NoiseFound, NormalsUse, RecognisedSurface, Recognition, RecognitionError,
     RecognitionOptions, Remark, Tried,
 };
 
+/// What is asked about contacts.
+#[derive(Clone, Copy)]
+pub(super) struct BodyQuestion<'a> {
+    pub(super) sample: &'a BodySample,
+    pub(super) given: &'a Observations,
+    pub(super) options: &'a RecognitionOptions,
+    /// Places of the input's x and y at which touches are predicted.
+    pub(super) touches: &'a [[f64; 2]],
+}
+
+impl<'a> BodyQuestion<'a> {
+    /// With a posterior that answers it.
+    pub(super) fn of<'b>(self, posterior: &'b BodyPosterior) -> BodyAnswer<'b>
+    where
+        'a: 'b,
+    {
+        let BodyQuestion { sample, given, options, touches } = self;
+        BodyAnswer { posterior, sample, given, options, touches }
+    }
+}
+
 /// A posterior with what it was asked about.
+#[derive(Clone, Copy)]
 pub(super) struct BodyAnswer<'a> {
     pub(super) posterior: &'a BodyPosterior,
     pub(super) sample: &'a BodySample,
@@ -58,6 +82,30 @@ impl BodyAnswer<'_> {
         self.posterior.weight_of(self.kind())
     }
 
+    /// Whether it is a plane, a ball, a bar or a cone for all that it departs: a stem is a bar though its section is not quite round.
+    /// Rings and ellipsoids follow any smooth surface, and are not asked.
+    pub(super) fn is_of_simple_kind(&self) -> bool {
+        let kind = self.kind();
+        let draws = drawn(self.posterior, &self.options.tuning, self.options.seed);
+        is_simple(kind) && !self.is_free_form(self.free_form(&draws), &draws)
+    }
+
+    /// Whether draws of another shape are most of those of its kind.
+    fn is_free_form(&self, free: f64, draws: &[DrawnBase]) -> bool {
+        let of_kind: f64 = draws.iter().filter(|d| d.primitive.kind == self.kind()).map(|d| d.share).sum();
+        free > 0.5 * of_kind
+    }
+
+    /// Share of the draws whose departure makes another shape of them.
+    fn free_form(&self, draws: &[DrawnBase]) -> f64 {
+        if self.posterior.is_free { 1.0 } else { free_form(draws, &self.members(), &self.options.tuning) }
+    }
+
+    /// Contacts that are the body's own.
+    fn members(&self) -> Vec<Vector> {
+        self.posterior.members_of(self.kind()).iter().map(|&i| self.sample.points[i]).collect()
+    }
+
     /// Whether the normals, where there are any, follow the body: normals at random would follow any as badly.
     pub(super) fn explains_normals(&self) -> bool {
         let sd = self.posterior.best_of(self.kind()).map_or(f64::INFINITY, |best| best.sd_of_normals());
@@ -71,6 +119,15 @@ impl BodyAnswer<'_> {
         let pair = |i: &usize| Some((self.sample.normal(*i)?, likeliest.nearest(self.sample.points[*i]).1));
         let pairs: Vec<(Vector, Vector)> = self.posterior.members_of(self.kind()).iter().filter_map(pair).collect();
         agreeing_order(&pairs).map_or(Ok(()), |order| Err(RecognitionError::NormalsExchanged { order }))
+    }
+
+    /// The whole answer, if its axes are those of the normals.
+    ///
+    /// # Errors
+    /// Those of [`BodyAnswer::check_axes_of_normals`] and [`BodyAnswer::recognition`].
+    pub(super) fn checked(&self) -> Result<Recognition, RecognitionError> {
+        self.check_axes_of_normals()?;
+        self.recognition()
     }
 
     /// What tells the free side: a viewpoint, most of the normals, or a direction.
@@ -106,11 +163,13 @@ impl BodyAnswer<'_> {
         let turned = |primitive: Primitive| Primitive { side: side.side, ..primitive };
         let mut draws = drawn(self.posterior, &self.options.tuning, self.options.seed);
         draws.iter_mut().for_each(|d| d.primitive = turned(d.primitive));
-        let members: Vec<Vector> = self.posterior.members_of(kind).iter().map(|&i| self.sample.points[i]).collect();
-        let free = if self.posterior.is_free { 1.0 } else { free_form(&draws, &members, &self.options.tuning) };
-        let is_free = free > 0.5 * draws.iter().filter(|d| d.primitive.kind == kind).map(|d| d.share).sum::<f64>();
+        let members = self.members();
+        let free = self.free_form(&draws);
+        let is_free = self.is_free_form(free, &draws);
         let primitive = turned(likeliest);
-        let surface = match self.posterior.best_of(kind).filter(|_| is_free) {
+        // a departure that is likelier shape is shown, though the kind is still that of the primitive
+        let is_shape = |node: &&BodyHypothesis| is_free || node.departs_in_shape(&self.options.tuning);
+        let surface = match self.posterior.best_of(kind).filter(is_shape) {
             Some(node) => DrawnBase::likeliest(primitive, node),
             None => DrawnBase::of_primitive(primitive),
         };
@@ -324,76 +383,6 @@ impl BodyAnswer<'_> {
         }
         notes
     }
-}
-
-/// Means of S (0 on a plane) and R over places; `None` where one is not finite.
-fn mean_shape(drawn: &DrawnBase, places: &[Vector]) -> Option<[f64; 2]> {
-    let mut sums = [0.0; 2];
-    for place in places {
-        let [k1, k2] = drawn.curvatures(*place);
-        sums[0] += shape_index(k1 + k2, k1 - k2).unwrap_or(0.0);
-        sums[1] += curvedness(k1, k2);
-    }
-    let means = sums.map(|sum| sum / places.len() as f64);
-    means.iter().all(|v| v.is_finite()).then_some(means)
-}
-
-fn mean_curvatures(drawn: &DrawnBase, places: &[Vector]) -> [f64; 2] {
-    let count = places.len().max(1) as f64;
-    let each = places.iter().map(|place| drawn.curvatures(*place));
-    each.fold([0.0; 2], |sum, k| [0, 1].map(|i| sum[i] + k[i] / count))
-}
-
-/// Standard deviations of S and R over the supported points of a map: 0 where they differ by rounding alone.
-fn variation(map: &[MapPoint]) -> [f64; 2] {
-    let over = |value: fn(&MapPoint) -> f64| {
-        let values: Vec<f64> = map.iter().filter(|p| p.supported).map(value).filter(|v| v.is_finite()).collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let sd = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt();
-        if sd > 1e-9 * mean.abs() { sd } else { 0.0 }
-    };
-    [over(|p| p.shape_index.unwrap_or(f64::NAN)), over(|p| p.curvedness)]
-}
-
-/// Contacts at which a drawn surface is compared with its primitive.
-const COMPARED: usize = 32;
-
-/// Share of the draws whose departure makes another shape of them.
-fn free_form(draws: &[DrawnBase], members: &[Vector], tuning: &Tuning) -> f64 {
-    let step = members.len().div_ceil(COMPARED).max(1);
-    let places: Vec<Vector> = members.iter().step_by(step).copied().collect();
-    let [of_s, of_r] = tuning.other_shape;
-    let is_other = |drawn: &&DrawnBase| {
-        let base = DrawnBase::of_primitive(drawn.primitive);
-        match (drawn.departs(), mean_shape(drawn, &places), mean_shape(&base, &places)) {
-            (true, Some(own), Some(mean)) => {
-                let away = places.iter().map(|p| (drawn.distance(*p) - base.distance(*p)).powi(2)).sum::<f64>();
-                (own[0] - mean[0]).abs() > of_s
-                    || (own[1] - mean[1]).abs() > of_r * mean[1].max(own[1])
-                    || away > tuning.other_body.powi(2) * places.len() as f64
-            }
-            _ => false,
-        }
-    };
-    draws.iter().filter(is_other).map(|d| d.share).sum()
-}
-
-/// Shares of the draws in every class.
-fn classes(draws: &[DrawnBase], shapes: &[Option<[f64; 2]>]) -> Vec<(ShapeClass, f64)> {
-    let mut found: Vec<(ShapeClass, f64)> = Vec::new();
-    for (drawn, shape) in draws.iter().zip(shapes) {
-        let Some([s, ..]) = shape else { continue };
-        let flat = is_flat(drawn);
-        let class = if flat { ShapeClass::Plane } else { ShapeClass::of_shape_index(*s) };
-        match found.iter_mut().find(|(known, _)| *known == class) {
-            Some((_, sum)) => *sum += drawn.share,
-            None => found.push((class, drawn.share)),
-        }
-    }
-    let all: f64 = found.iter().map(|(_, p)| p).sum();
-    found.iter_mut().for_each(|(_, p)| *p /= all);
-    found.sort_by(|a, b| b.1.total_cmp(&a.1));
-    found
 }
 
 /// The frame whose third axis is the normal in the middle of the chart.

@@ -10,14 +10,14 @@
 
 mod answer;
 mod drawn_map;
+mod drawn_shapes;
 mod exchanged_axes;
 mod kept_draws;
 mod predicted_touches;
 
-use std::f64::consts::{E, PI};
-
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
+use palpate_numeric::statistics::mad;
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
 use crate::bodies::{self, BodyHypothesis, BodyPosterior, BodySample, Symmetry, Thing, Tuning, Verdict};
@@ -28,6 +28,9 @@ use crate::recognition::contacts::{
 use crate::recognition::free_form::leaves_much_unsaid;
 use crate::recognition::kinds::Kind;
 use crate::recognition::{Hypothesis, NormalsUse, Recognition, RecognitionError, RecognitionOptions};
+
+/// Share of the contacts' size within which distances are those of rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// Contacts needed without and with normals: a ball's four unknowns and one more row.
 pub(super) const NEEDED: [usize; 2] = [5, 3];
@@ -54,51 +57,57 @@ pub(super) fn instead(
     // a body has normals in all directions, the coarsest coordinate's among them
     let rounding = [given.rounding.position.into_iter().fold(0.0, f64::max), given.rounding.normal];
     let Some(sample) = BodySample::new(&given.points, normals, rounding) else { return patch };
-    let verdict = bodies::infer(&sample, &options.tuning);
-    let verdict = match verdict {
-        Verdict::Free(free, one) => {
-            let body = answer::BodyAnswer { posterior: &free, sample: &sample, given, options, touches };
-            let stands = free_stands(&patch, doubt, &body);
-            if stands { Verdict::Free(free, None) } else { one.map_or(Verdict::None, Verdict::One) }
-        }
-        verdict => verdict,
-    };
-    match verdict {
-        Verdict::None if doubt == PatchDoubt::Kind => patch,
+    let question = answer::BodyQuestion { sample: &sample, given, options, touches };
+    match bodies::infer(&sample, &options.tuning) {
         Verdict::Several(things) => match patch {
             Ok(found) if doubt == PatchDoubt::Kind && is_as_good(&found, &sample, &things, &options.tuning) => {
                 Ok(found)
             }
             _ => Err(several(&sample, &things)),
         },
-        Verdict::One(posterior) => {
-            let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options, touches };
-            body.check_axes_of_normals()?;
-            let decisive =
-                body.explains_normals() && body.false_share().max(body.normals_against()) >= options.tuning.decisive;
-            let too_few = matches!(patch, Err(RecognitionError::TooFew { .. }));
-            if too_few && body.probability() < options.tuning.sure_of_few {
-                return patch;
+        Verdict::One(posterior) => one_instead(patch, doubt, &question.of(&posterior)),
+        Verdict::Free(free, one) => {
+            let (free, one) = (question.of(&free), one.as_deref().map(|one| question.of(one)));
+            let is_of_kind = one.is_some_and(|one| one.is_of_simple_kind());
+            match one {
+                _ if !is_of_kind && free_stands(&patch, doubt, &free) => free.checked(),
+                Some(one) => one_instead(patch, doubt, &one),
+                None => none_instead(patch, doubt, normals),
             }
-            let is_simpler = patch.as_ref().is_ok_and(|found| is_simpler(&posterior, found, &sample, &options.tuning));
-            let stays = match doubt {
-                PatchDoubt::Slight => !decisive && !is_simpler,
-                PatchDoubt::Kind => !is_simpler,
-                _ => false,
-            };
-            if stays {
-                return patch;
-            }
-            body.recognition()
         }
-        Verdict::Free(posterior, _) => {
-            let body = answer::BodyAnswer { posterior: &posterior, sample: &sample, given, options, touches };
-            body.check_axes_of_normals()?;
-            body.recognition()
-        }
-        Verdict::None if doubt == PatchDoubt::AllRound => Err(all_around(normals)),
-        Verdict::None => patch,
+        Verdict::None => none_instead(patch, doubt, normals),
     }
+}
+
+/// The answer of a primitive, unless the patch tells as much.
+fn one_instead(
+    patch: Result<Recognition, RecognitionError>,
+    doubt: PatchDoubt,
+    body: &answer::BodyAnswer,
+) -> Result<Recognition, RecognitionError> {
+    body.check_axes_of_normals()?;
+    let tuning = &body.options.tuning;
+    let decisive = body.explains_normals() && body.false_share().max(body.normals_against()) >= tuning.decisive;
+    let too_few = matches!(patch, Err(RecognitionError::TooFew { .. }));
+    if too_few && body.probability() < tuning.sure_of_few {
+        return patch;
+    }
+    let is_simpler = patch.as_ref().is_ok_and(|found| is_simpler(body.posterior, found, body.sample, tuning));
+    let stays = match doubt {
+        PatchDoubt::Slight => !decisive && !is_simpler,
+        PatchDoubt::Kind => !is_simpler,
+        _ => false,
+    };
+    if stays { patch } else { body.recognition() }
+}
+
+/// The patch, unless contacts go farther round than it does.
+fn none_instead(
+    patch: Result<Recognition, RecognitionError>,
+    doubt: PatchDoubt,
+    normals: &[Vector],
+) -> Result<Recognition, RecognitionError> {
+    if doubt == PatchDoubt::AllRound { Err(all_around(normals)) } else { patch }
 }
 
 /// Whether a free surface is the answer: it has a symmetry, closes, or goes farther round than a patch may, for what does none of that is
@@ -111,18 +120,22 @@ fn free_stands(patch: &Result<Recognition, RecognitionError>, doubt: PatchDoubt,
 }
 
 /// Whether a patch tells contacts as well as a free surface that goes round a body, or as well as is asked of what goes no farther round
-/// than a patch may.
+/// than a patch may. A symmetry that is certain says more than a patch that lies farther from the contacts, by a little where the patch only
+/// follows them and by much where it is of a kind.
 fn serves(found: &Recognition, doubt: PatchDoubt, closes: bool, free: &answer::BodyAnswer) -> bool {
+    let (points, tuning) = (&free.given.points, &free.options.tuning);
+    let square: f64 = points.iter().map(|p| found.surface.distance(*p).powi(2)).sum();
+    let rms = (square / points.len() as f64).sqrt();
+    let scatter = free.posterior.best_of(free.posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
+    let is_farther = |times: f64| times * free.sample.frame.scale * scatter <= rms;
+    let far = 1.0 / tuning.sharper;
+    let is_symmetric = free.posterior.weight_of_symmetry(Symmetry::None) < 1.0 - tuning.certain;
+    let follows = found.hypothesis == Hypothesis::Displaced;
+    let says_less = is_symmetric && is_farther(if follows { tuning.as_near } else { far });
     match doubt {
-        PatchDoubt::Kind => true,
-        PatchDoubt::Slight => !closes,
-        PatchDoubt::Bent => {
-            let points = &free.given.points;
-            let square: f64 = points.iter().map(|p| found.surface.distance(*p).powi(2)).sum();
-            let rms = (square / points.len() as f64).sqrt();
-            let scatter = free.posterior.best_of(free.posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
-            !closes && free.sample.frame.scale * scatter > free.options.tuning.sharper * rms
-        }
+        PatchDoubt::Kind => !says_less,
+        PatchDoubt::Slight => !closes && !says_less,
+        PatchDoubt::Bent => !closes && !is_farther(far),
         PatchDoubt::None | PatchDoubt::AllRound | PatchDoubt::Refused => false,
     }
 }
@@ -154,6 +167,26 @@ pub(super) fn beside_a_line(
     } else {
         Ok(found)
     }
+}
+
+/// The patch, unless most contacts lie farther off its surface than they are said to scatter. The mean of a cell lies on a plane between
+/// two sheets that mirror each other, however far these are apart.
+///
+/// # Errors
+/// [`RecognitionError::NotOneSheet`].
+pub(super) fn within_its_noise(
+    found: Recognition,
+    given: &Observations,
+    tuning: &Tuning,
+) -> Result<Recognition, RecognitionError> {
+    let off: Vec<f64> = given.points.iter().map(|p| found.surface.distance(*p)).collect();
+    let most = (found.noise.sd_of_contact() / tuning.sharper).max(ROUNDING * found.frame.scale);
+    if mad(off.iter().copied()) <= most {
+        return Ok(found);
+    }
+    let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
+    let outliers = 100.0 * found.outliers as f64 / off.len() as f64;
+    Err(RecognitionError::NotOneSheet { misfit: 100.0 * rms / found.frame.scale, outliers })
 }
 
 /// Why a patch is no answer.
@@ -250,7 +283,7 @@ fn is_as_good(found: &Recognition, sample: &BodySample, things: &[Thing], tuning
     let unknowns: usize = things.iter().map(|thing| thing.primitive.kind.free().len()).sum();
     let of_patch = if found.hypothesis == Hypothesis::Displaced { unknowns } else { Kind::General.unknowns() };
     let held = things.iter().map(|thing| thing.contacts).sum::<usize>() as f64;
-    let of_none = (tuning.reach / (2.0 * PI * E).sqrt()).ln();
+    let of_none = tuning.scatter_of_none().ln();
     let [one, all] = [found.noise.sd_of_contact() / sample.frame.scale, bodies::scatter(things)];
     let of_things = held * all.ln() + (count - held) * of_none + price(all, unknowns);
     things.iter().any(follows_any) || count * one.ln() + price(one, of_patch) <= of_things

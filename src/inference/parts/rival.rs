@@ -1,0 +1,133 @@
+//! Whether contacts beside one surface are several primitives.
+//!
+//! ```text
+//! s       mad of the distances d_i from the surface          near    mad(d_i - d_j) / sqrt 2, contact j next to i
+//! asked   near < s / 2: contacts lie off the surface together, which it does not follow
+//! ln p    of one surface   -n ln s - u ln(sqrt(n) / s)       u    unknowns of all primitives together
+//!         of primitives    the sum of the same over each, and of what belongs to none, anywhere within the reach
+//! told    the primitives are likelier for certain, lie far nearer, and hold nearly all contacts
+//! ```
+//!
+//! The surface is given as many unknowns as the primitives have, since a free form takes what it wants. The price of an unknown is Schwarz's
+//! with a prior as wide as the contacts (G. Schwarz, *Ann. Statist.* 6 (1978) 461).
+
+use super::{Parts, PartsOptions};
+use crate::bodies::Tuning;
+use crate::primitives::placed::PartKind;
+use palpate_geometry::contact::Contacts;
+use palpate_geometry::neighbours::Neighbours;
+use palpate_numeric::statistics::mad;
+use palpate_numeric::vector::Vector;
+
+impl Parts {
+    /// The parts of contacts, where these tell them better than one surface from which they lie at `distances`; input units.
+    ///
+    /// `None` where the surface follows the contacts, and where they cannot be cut.
+    pub fn instead_of(distances: &[f64], contacts: &Contacts, options: &PartsOptions) -> Option<Parts> {
+        let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
+        let tuning = Tuning::default();
+        if distances.len() != points.len() || !leaves_a_pattern(distances, &points, &tuning) {
+            return None;
+        }
+        let found = Parts::of(contacts, options).ok()?;
+        is_likelier(&found, distances, size(&points), &tuning).then_some(found)
+    }
+}
+
+/// Whether contacts next to each other lie off the surface together.
+fn leaves_a_pattern(distances: &[f64], points: &[Vector], tuning: &Tuning) -> bool {
+    let tree = Neighbours::new(points);
+    let pairs = (0..points.len()).filter_map(|i| Some(distances[i] - distances[tree.nearest_other(i)?.1]));
+    mad(pairs) / 2.0_f64.sqrt() < tuning.sharper * mad(distances.iter().copied())
+}
+
+/// Root mean square distance of the contacts from their middle.
+fn size(points: &[Vector]) -> f64 {
+    let count = points.len() as f64;
+    let mean = points.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k] / count));
+    let square: f64 = points.iter().map(|p| (0..3).map(|k| (p[k] - mean[k]).powi(2)).sum::<f64>()).sum();
+    (square / count).sqrt()
+}
+
+/// One of several groups of contacts that are told by a surface of their own.
+struct Told {
+    contacts: f64,
+    /// In units of the size of all.
+    scatter: f64,
+    unknowns: f64,
+}
+
+impl Told {
+    fn log_probability(&self) -> f64 {
+        -self.contacts * self.scatter.ln() - self.unknowns * (self.contacts.sqrt() / self.scatter).ln()
+    }
+}
+
+fn is_likelier(found: &Parts, distances: &[f64], size: f64, tuning: &Tuning) -> bool {
+    let count = distances.len() as f64;
+    let scatter = |length: f64| (length / size).max(f64::EPSILON);
+    let of_one = scatter(mad(distances.iter().copied()));
+    // rings and ellipsoids follow the pieces of any smooth surface
+    let is_simple = |kind| !matches!(kind, PartKind::Patch | PartKind::Torus | PartKind::Ellipsoid);
+    let primitives = found.parts.iter().filter(|part| is_simple(part.kind));
+    let of_parts: Vec<Told> = primitives
+        .map(|part| Told {
+            contacts: part.points as f64,
+            scatter: scatter(part.misfit),
+            unknowns: part.kind.free().len() as f64,
+        })
+        .collect();
+    let held: f64 = of_parts.iter().map(|told| told.contacts).sum();
+    let square: f64 = of_parts.iter().map(|told| told.contacts * told.scatter * told.scatter).sum();
+    let unknowns = of_parts.iter().map(|told| told.unknowns).sum();
+    let is_nearer = (square / held).sqrt() < tuning.sharper * of_one;
+    if of_parts.len() < 2 || held < tuning.primitives_hold * count || !is_nearer {
+        return false;
+    }
+    let one = Told { contacts: count, scatter: of_one, unknowns };
+    let none = -(count - held) * tuning.scatter_of_none().ln();
+    let several = of_parts.iter().map(Told::log_probability).sum::<f64>() + none;
+    several > one.log_probability() + tuning.clearly
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_numeric::draws::Lcg;
+    use palpate_numeric::vector::{norm, unit};
+
+    const COUNT: usize = 1200;
+
+    /// Places on a cube of side 2, and their distances from a ball about it that is as far in as out.
+    fn cube() -> (Vec<Vector>, Vec<f64>) {
+        let mut generator = Lcg::new(3);
+        let places: Vec<Vector> = (0..COUNT)
+            .map(|k| {
+                let side = if k % 2 == 0 { 1.0 } else { -1.0 };
+                let [u, v] = [0, 1].map(|_| 2.0 * generator.uniform() - 1.0);
+                let face = [side, u, v];
+                [0, 1, 2].map(|axis| face[(axis + k / 2) % 3])
+            })
+            .collect();
+        let distances = places.iter().map(|p| norm(*p) - 1.28).collect();
+        (places, distances)
+    }
+
+    #[test]
+    fn the_faces_of_a_cube_tell_more_than_a_ball_about_it() {
+        let (places, distances) = cube();
+        let found = Parts::instead_of(&distances, &Contacts::from_points(&places), &PartsOptions::default()).unwrap();
+        assert!(found.parts.iter().filter(|part| part.kind == PartKind::Plane).count() == 6, "{:?}", found.parts);
+    }
+
+    #[test]
+    fn a_surface_that_follows_the_contacts_stands() {
+        let mut generator = Lcg::new(4);
+        let noise: Vec<f64> = (0..COUNT).map(|_| 0.02 * (generator.uniform() - 0.5)).collect();
+        let places: Vec<Vector> = noise
+            .iter()
+            .map(|off| unit([0, 1, 2].map(|_| generator.uniform() - 0.5)).map(|v| v * (1.0 + off)))
+            .collect();
+        assert!(Parts::instead_of(&noise, &Contacts::from_points(&places), &PartsOptions::default()).is_none());
+    }
+}
