@@ -91,9 +91,11 @@ pub mod parametric {
 /// What a body is made of: planes, spheres, cylinders, cones and tori, and how they adjoin.
 pub mod parts {
     pub use palpate_inference::parts::{
-        Joint, JointKind, Part, PartGeometry, PartKind, PartUncertainty, Parts, PartsError, PartsOptions, PartsTuning,
-        PointShapes,
+        Joint, JointKind, Part, PartGeometry, PartKind, PartUncertainty, Parts, PartsError, PartsOptions, PointShapes,
     };
+    // settings of which a user of the defaults needs no name
+    #[doc(hidden)]
+    pub use palpate_inference::parts::PartsTuning;
 }
 
 /// Fits that are planned once and then repeated without allocation: scattered contacts, images, touches one by one.

@@ -20,6 +20,17 @@ use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, scaled};
 
+/// Where the parts are from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// Regions that grew.
+    Cut,
+    /// Primitives of the whole cloud, fitted already.
+    Whole,
+    /// All contacts are one smooth surface.
+    Free,
+}
+
 /// What the answer is made of.
 pub(super) struct Findings<'a> {
     pub(super) cloud: &'a Cloud,
@@ -34,8 +45,7 @@ pub(super) struct Findings<'a> {
     pub(super) measured: bool,
     /// Whether something tells which side is free.
     pub(super) side_known: bool,
-    /// Whether the primitives are those of the whole cloud, fitted already.
-    pub(super) is_whole: bool,
+    pub(super) origin: Origin,
     pub(super) tuning: &'a PartsTuning,
 }
 
@@ -44,9 +54,14 @@ impl Findings<'_> {
     pub(super) fn parts(&self, mut partition: Partition, notes: Vec<String>) -> Parts {
         let cloud = self.cloud;
         let exact_parts = partition.parts.len() as u32;
-        let patches = label_leftover(cloud, self.shapes, &mut partition.labels, exact_parts, &self.limit);
+        let patches = self.regions(&mut partition.labels, exact_parts);
         let members = partition_members(&partition.labels, (exact_parts + patches) as usize);
-        let begin = StartNoise { coarse: self.coarse, is_known: self.is_whole, tuning: self.tuning };
+        let begin = StartNoise {
+            coarse: self.coarse,
+            is_known: self.origin == Origin::Whole,
+            measured: self.measured,
+            tuning: self.tuning,
+        };
         let exact = threads::map(exact_parts as usize, 1, |part| {
             let inner = partition.inner(cloud, &members[part]);
             simplest(cloud, &inner, &partition.parts[part], &begin, self.cells)
@@ -72,6 +87,17 @@ impl Findings<'_> {
         let number = largest_first(&mut parts, &mut joints);
         let labels = partition.labels.iter().map(|l| (*l != NONE).then(|| number[*l as usize] as u32));
         self.answer(parts, joints, labels, notes)
+    }
+
+    /// Labels regions that no primitive explains, from this number on; gives back how many there are.
+    fn regions(&self, labels: &mut [u32], first: u32) -> u32 {
+        match self.origin {
+            Origin::Free => {
+                labels.fill(first);
+                1
+            }
+            Origin::Cut | Origin::Whole => label_leftover(self.cloud, self.shapes, labels, first, &self.limit),
+        }
     }
 
     fn answer(

@@ -143,6 +143,12 @@ impl Residuals {
         self.lose_over(richer, unknowns, cells, pass, 1.0)
     }
 
+    /// The same where both are one primitive: what the richer leaves over is errors then, and what the simpler leaves besides is not.
+    pub(super) fn lose_to_kind(&self, richer: &Residuals, unknowns: usize, cells: &Cells, pass: &Noise) -> f64 {
+        let independent = cells.independent(&richer.distances);
+        self.lost(richer, unknowns, independent, (pass, 1.0))
+    }
+
     /// The same over the `share` of the contacts that is nearest, where others at the rim may be of neither: a plane with what a camera puts
     /// beside its edges is no ring.
     pub(super) fn lose_over(
@@ -153,9 +159,13 @@ impl Residuals {
         pass: &Noise,
         share: f64,
     ) -> f64 {
+        self.lost(richer, unknowns, cells.independent(&self.distances), (pass, share))
+    }
+
+    fn lost(&self, richer: &Residuals, unknowns: usize, independent: f64, (pass, share): (&Noise, f64)) -> f64 {
         let (one, two) = (self.spread(pass, share), richer.spread(pass, share));
-        let independent = cells.independent(&self.distances);
-        let gain = (one.distance / two.distance).ln() + 2.0 * (one.normal / two.normal).ln();
+        let of_normals = if pass.normal.is_finite() { 2.0 * (one.normal / two.normal).ln() } else { 0.0 };
+        let gain = (one.distance / two.distance).ln() + of_normals;
         let unknowns = unknowns as f64;
         let by_chance = ChiSquared::new(unknowns).map_or(0.0, |law| law.inverse_cdf(1.0 - BY_CHANCE));
         independent * gain - 0.5 * (unknowns * independent.ln()).max(by_chance)

@@ -58,6 +58,14 @@ pub(super) fn free_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
     described(&fit)
 }
 
+/// How near a height field of some contacts, `most` at the most, comes to those left out; `None` where none follows them.
+pub(super) fn predicted(cloud: &Cloud, most: usize) -> Option<f64> {
+    let all: Vec<u32> = (0..cloud.len() as u32).collect();
+    let (contacts, axes) = one_sided(cloud, &all, most)?;
+    let field = flexible(&contacts, axes, &FitOptions::default())?.ok()?;
+    (field.error < PREDICTED * field.relief).then_some(field.error)
+}
+
 /// A field that leaves S and R open, for doubt about a primitive; `None` where no height field follows the members.
 pub(super) fn rich_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
     let (contacts, axes) = one_sided(cloud, members, RICH_CONTACTS)?;

@@ -108,3 +108,42 @@ impl<'a> Growing<'a> {
         self.field.cloud.near(seed)[..beside].iter().for_each(|&j| self.tried[j as usize] = true);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parts::cloud::Cloud;
+    use crate::parts::surveyed::{LetPass, Surveyed};
+    use crate::parts::tuning::PartsTuning;
+    use crate::primitives::placed::PartKind;
+    use palpate_numeric::vector::Vector;
+
+    /// Two faces of a box, 20 by 20 contacts each, the second beyond x = 0.
+    fn faces() -> Cloud {
+        let place = |k: u32| (f64::from(k % 20) + 0.5, f64::from(k / 20));
+        let top = (0..400).map(place).map(|(s, y)| ([-s, y, 0.0], [0.0, 0.0, 1.0]));
+        let side = (0..400).map(place).map(|(s, y)| ([0.0, y, -s], [1.0, 0.0, 0.0]));
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = top.chain(side).unzip();
+        Cloud::new(&points, normals).unwrap()
+    }
+
+    #[test]
+    fn regions_end_at_an_edge_and_leave_settled_parts_alone() {
+        let tuning = PartsTuning::default();
+        let cloud = faces();
+        let pass = LetPass::new(&cloud, None, false);
+        let surveyed = Surveyed::new(cloud, &pass, &tuning);
+        let field = surveyed.field(&tuning);
+        let nothing = Partition { parts: Vec::new(), labels: vec![NONE; 800] };
+        let found = grown(nothing, &field, None);
+        assert_eq!(found.parts.iter().map(|part| part.kind).collect::<Vec<_>>(), [PartKind::Plane; 2]);
+        let of_one = |of: &[u32]| of.iter().filter(|label| **label == of[0]).count();
+        assert!(of_one(&found.labels[..400]) > 380 && of_one(&found.labels[400..]) > 380);
+        // the first face is settled with half of the second: what is its own stays, and the rest becomes a region
+        let labels: Vec<u32> = (0..800).map(|i| if i < 600 { 0 } else { NONE }).collect();
+        let settled = Partition { parts: vec![found.parts[found.labels[0] as usize]], labels };
+        let again = grown(settled, &field, None);
+        assert_eq!(again.parts.len(), 2);
+        assert!(again.labels[..600].iter().all(|label| *label == 0));
+    }
+}

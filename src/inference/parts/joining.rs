@@ -107,3 +107,53 @@ impl Partition {
         (lost < 0.0).then_some((-lost, joint))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parts::surveyed::{LetPass, Surveyed};
+    use crate::parts::tuning::PartsTuning;
+    use crate::primitives::placed::PartKind;
+    use palpate_numeric::draws::EffectDraws;
+    use palpate_numeric::vector::{Vector, along, axes_along};
+
+    /// How many parts are left of two halves of 20 by 20 contacts whose normals differ by so many degrees.
+    fn left(degrees: f64) -> usize {
+        let draws = EffectDraws::new(2, "halves");
+        let half = |turn: f64, sign: f64| {
+            let (sin, cos) = (0.5 * turn.to_radians()).sin_cos();
+            let draws = &draws;
+            (0..400_u32).map(move |k| {
+                let mut off = [0.0];
+                draws.gaussians(u64::from(sign > 0.0), u64::from(k), 1, &mut off);
+                let [s, y] = [f64::from(k % 20) + 0.5, f64::from(k / 20)];
+                let normal = [sign * sin, 0.0, cos];
+                (along([sign * s * cos, y, -s * sin], 0.05 * off[0], normal), normal)
+            })
+        };
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = half(degrees, -1.0).chain(half(degrees, 1.0)).unzip();
+        let cloud = Cloud::new(&points, normals).unwrap();
+        let pass = LetPass::new(&cloud, None, false);
+        let tuning = PartsTuning::default();
+        let surveyed = Surveyed::new(cloud, &pass, &tuning);
+        let field = surveyed.field(&tuning);
+        let plane = |i: usize| Primitive {
+            kind: PartKind::Plane,
+            origin: field.cloud.points[i],
+            axes: axes_along(field.cloud.normals[i]),
+            sizes: [0.0; 3],
+            side: 1.0,
+        };
+        let labels = (0..800).map(|i| u32::from(i >= 400)).collect();
+        let mut cut = Partition { parts: vec![plane(210), plane(610)], labels };
+        cut.refit(&field);
+        cut.join(&field);
+        cut.parts.len()
+    }
+
+    #[test]
+    fn halves_of_one_plane_are_joined_and_faces_with_an_edge_are_not() {
+        assert_eq!(left(0.0), 1);
+        assert_eq!(left(20.0), 2);
+    }
+}

@@ -60,6 +60,7 @@ mod sheet;
 mod surveyed;
 mod tuning;
 mod unexplained_regions;
+mod waves;
 mod whole;
 
 pub use crate::primitives::placed::PartKind;
@@ -81,9 +82,9 @@ use palpate_geometry::contact::Contacts;
 use palpate_geometry::neighbours::{Oriented, oriented};
 use palpate_numeric::vector::{Vector, dot, minus, norm, scaled};
 
-use answer::Findings;
+use answer::{Findings, Origin};
 use cloud::{Cloud, FEWEST_POINTS};
-use partition::{Field, Partition};
+use partition::{Field, NONE, Partition};
 use settling::{given_to_all, partition};
 use surveyed::{LetPass, Surveyed};
 
@@ -112,32 +113,32 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
     let tuning = &options.tuning;
     let all = Surveyed::new(cloud, &pass, tuning);
     let field = all.field(tuning);
-    let (found, field, is_whole) = match all.cloud.spread(tuning.decided_on).filter(|_| !field.shared) {
+    let (found, field, origin) = match all.cloud.spread(tuning.decided_on).filter(|_| !field.shared) {
         None => of_whole_or_cut(!estimated, &field),
         Some(spread) => of_spread(!estimated, Surveyed::new(spread, &pass, tuning), &field),
     };
     let Surveyed { cloud, shapes, noise, cells, .. } = &all;
     let (coarse, tolerance, limit) = (field.coarse, pass.noise.distance, found.sheet_limit(&field));
     let (noise, measured) = (*noise, !estimated);
-    Ok(Findings { cloud, shapes, noise, coarse, tolerance, cells, limit, measured, side_known, is_whole, tuning }
+    Ok(Findings { cloud, shapes, noise, coarse, tolerance, cells, limit, measured, side_known, origin, tuning }
         .parts(found, notes))
 }
 
 /// What contacts spread over a large cloud are made of, and all of them by that.
-fn of_spread<'a>(measured: bool, spread: Surveyed, field: &Field<'a>) -> (Partition, Field<'a>, bool) {
-    let (found, _, is_whole) = of_whole_or_cut(measured, &spread.field(field.tuning));
+fn of_spread<'a>(measured: bool, spread: Surveyed, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
+    let (found, _, origin) = of_whole_or_cut(measured, &spread.field(field.tuning));
     let (mut found, field) = given_to_all(found, &spread.cloud, field);
     if correlated_noise_merge::absorb(&mut found, &field) {
         found.refit(&field);
     }
     found.drop_strips(&field);
     found.drop_strays(&field);
-    (found, field, is_whole)
+    (found, field, origin)
 }
 
-/// The primitives of the whole cloud where they tell it more shortly than its parts do; and whether it is they. They are asked for where
+/// The primitives of the whole cloud where they tell it more shortly than its parts do; and where they are from. They are asked for where
 /// the parts leave room for doubt; where neighbours share errors first, and are the answer if they hold nearly all.
-fn of_whole_or_cut<'a>(measured: bool, field: &Field<'a>) -> (Partition, Field<'a>, bool) {
+fn of_whole_or_cut<'a>(measured: bool, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
     let whole = || {
         let mut whole = whole::whole(field.cloud, measured, &field.coarse)?;
         whole.simplify(field);
@@ -146,19 +147,22 @@ fn of_whole_or_cut<'a>(measured: bool, field: &Field<'a>) -> (Partition, Field<'
     };
     let first = if field.shared { whole() } else { None };
     if let Some(whole) = first.as_ref().filter(|whole| whole.holds_nearly_all(field.tuning)) {
-        return (whole.clone(), *field, true);
+        return (whole.clone(), *field, Origin::Whole);
     }
     let (cut, fine) = cut(field);
     let has_doubt = !measured && cut.parts.len() > 1;
     if let Some(one) = has_doubt.then(|| whole::one(&cut, field)).flatten() {
-        return (one, *field, true);
+        return (one, *field, Origin::Whole);
     }
     if !field.shared && cut.is_beyond_doubt(&fine) {
-        return (cut, fine, false);
+        return (cut, fine, Origin::Cut);
+    }
+    if has_doubt && whole::is_free(&cut, field) {
+        return (Partition { parts: Vec::new(), labels: vec![NONE; field.cloud.len()] }, *field, Origin::Free);
     }
     let length = cut.description_length(field.cloud);
     let whole = first.or_else(whole).filter(|whole| whole.description_length(field.cloud) <= length);
-    whole.map_or((cut, fine, false), |whole| (whole, *field, true))
+    whole.map_or((cut, fine, Origin::Cut), |whole| (whole, *field, Origin::Whole))
 }
 
 fn cut<'a>(field: &Field<'a>) -> (Partition, Field<'a>) {
@@ -167,6 +171,7 @@ fn cut<'a>(field: &Field<'a>) -> (Partition, Field<'a>) {
     if correlated_noise_merge::absorb(&mut partition, field) {
         partition.refit(field);
     }
+    partition.drop_waves(field);
     partition.drop_strips(field);
     partition.drop_strays(field);
     (partition, *field)

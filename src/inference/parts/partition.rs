@@ -33,6 +33,9 @@ pub(super) const ROUNDS: usize = 15;
 /// Sweeps over all labels in a round.
 pub(super) const SWEEPS: usize = 4;
 
+/// Share of a scatter below which another is clearly less.
+const SHARPER: f64 = 0.5;
+
 /// No part.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -122,18 +125,24 @@ impl Partition {
     /// normals that were estimated across an edge tilt exact planes. Whose a point beside an edge is, distances alone tell.
     pub(super) fn sharpen(&mut self, field: &Field) {
         let cloud = field.cloud;
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let members = self.members();
             let sharper = threads::map(self.parts.len(), 1, |part| {
                 sharper(cloud, &self.inner(cloud, &members[part]), &self.parts[part], &field.noise)
             });
-            if sharper.iter().all(Option::is_none) {
+            let is_sharp = sharper.iter().all(Option::is_none);
+            if is_sharp && (round > 0 || !self.is_told_by_distances(field)) {
                 break;
             }
             self.replace(sharper);
             let scatter = self.scatter(field).of_distances();
             (0..SWEEPS).for_each(|_| self.relabel(cloud, &scatter));
         }
+    }
+
+    /// Whether normals only blur labels: they are those of planes through neighbours, and contacts lie far nearer than what is let pass.
+    fn is_told_by_distances(&self, field: &Field) -> bool {
+        field.blurred && self.scatter(field).common.distance < SHARPER * field.coarse.distance
     }
 
     /// What contacts scatter by, all together and about each part: medians, since some are on the wrong side.
@@ -210,7 +219,7 @@ impl Partition {
     /// What the contacts of a surface scatter by.
     pub(super) fn sheet_limit(&self, field: &Field) -> SheetLimit {
         let beside = Noise { distance: field.unresolved, normal: field.pass.normal };
-        SheetLimit::new(&self.scatter(field).common, &beside, field.tuning)
+        SheetLimit::new(&self.scatter(field).common, &beside, self.fewest_of_region(field), field.tuning)
     }
 
     /// Parts whose contacts fill a strip of space go, and their contacts with them.
@@ -257,15 +266,28 @@ fn chosen(field: &Field, inner: &[u32], before: &Primitive) -> Option<Primitive>
     let own = if field.shared { 1.0 } else { field.tuning.own };
     let (points, normals) = sampled(cloud, inner, FITTED);
     let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
-    let extent = extent(&points);
+    let loses =
+        |simpler: &Residuals, richer: &Residuals, more| simpler.lose_over(richer, more, field.cells, &field.pass, own);
+    simplest((cloud, inner), &sample, &[*before], loses)
+}
+
+/// The simplest kind for some contacts that `loses` to no richer one that is so many unknowns richer, each begun at the primitives `before`,
+/// too.
+pub(super) fn simplest(
+    (cloud, members): (&Cloud, &[u32]),
+    sample: &Sample,
+    before: &[Primitive],
+    loses: impl Fn(&Residuals, &Residuals, usize) -> f64,
+) -> Option<Primitive> {
+    let extent = extent(sample.points);
     let mut kept: Option<(Primitive, Residuals)> = None;
     for kind in PartKind::EXACT {
-        let Some(found) = descended(kind, &sample, &[*before], extent) else { continue };
+        let Some(found) = descended(kind, sample, before, extent) else { continue };
         let mut residuals = Residuals::default();
-        residuals.add(cloud, inner, &found.primitive);
+        residuals.add(cloud, members, &found.primitive);
         let better = kept.as_ref().is_none_or(|(primitive, simpler)| {
             let more = kind.free().len().saturating_sub(primitive.kind.free().len());
-            simpler.lose_over(&residuals, more, field.cells, &field.pass, own) > 0.0
+            loses(simpler, &residuals, more) > 0.0
         });
         if better {
             kept = Some((found.primitive, residuals));
@@ -283,7 +305,7 @@ fn sharper(cloud: &Cloud, inner: &[u32], before: &Primitive, floor: &Noise) -> O
     let explains = |i: &u32| cost(before, cloud.points[*i as usize], cloud.normals[*i as usize], &u) < CAP;
     let explained: Vec<u32> = inner.iter().copied().filter(explains).collect();
     let found = exact(cloud, &explained, before, &u)?.primitive;
-    (scatter(&found) < 0.5 * u.distance).then_some(found)
+    (scatter(&found) < SHARPER * u.distance).then_some(found)
 }
 
 /// The kind of the part fitted once more to all inner points, for the answer.

@@ -39,3 +39,21 @@ impl PartsScatter {
         (2.0 * (own.distance / self.common.distance).ln() + 4.0 * of_normals).min(self.most_price)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_that_scatters_more_costs_more_and_never_more_than_no_part() {
+        let common = Noise { distance: 0.01, normal: 0.05 };
+        let wider = |by: f64| Noise { distance: by * common.distance, normal: by * common.normal };
+        let own = vec![common, wider(1.5), wider(1e3)];
+        let scatter = PartsScatter { common, own, most_price: 8.0 };
+        assert_eq!(scatter.price(0), 0.0);
+        assert!((scatter.price(1) - 6.0 * 1.5_f64.ln()).abs() < 1e-12);
+        assert_eq!(scatter.price(2), 8.0);
+        // without normals they cost nothing
+        assert!((scatter.of_distances().price(1) - 2.0 * 1.5_f64.ln()).abs() < 1e-12);
+    }
+}

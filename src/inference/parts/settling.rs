@@ -92,3 +92,27 @@ fn settled(mut partition: Partition, field: &Field) -> Partition {
 fn same(before: &[u32], after: &[u32]) -> bool {
     1000 * before.iter().zip(after).filter(|(a, b)| a != b).count() <= before.len()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::parts::{PartKind, Parts, PartsOptions, PartsTuning};
+    use palpate_geometry::contact::Contacts;
+    use palpate_numeric::vector::Vector;
+
+    /// Two faces of 40 by 40 contacts and between them a step of 40 by 6, of which a tenth of the contacts shows next to nothing: the
+    /// faces are found on part of the contacts, all contacts are given to them, and the step is found among what these leave.
+    #[test]
+    fn what_part_of_a_cloud_does_not_show_is_found_among_the_rest() {
+        let face = |k: u32, width: u32| (f64::from(k % width) + 0.5, f64::from(k / width));
+        let low = (0..1600).map(|k| face(k, 40)).map(|(s, y)| ([-s, y, 0.0], [0.0, 0.0, 1.0]));
+        let step = (0..240).map(|k| face(k, 6)).map(|(s, y)| ([0.0, y, s], [-1.0, 0.0, 0.0]));
+        let high = (0..1600).map(|k| face(k, 40)).map(|(s, y)| ([s, y, 6.0], [0.0, 0.0, 1.0]));
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = low.chain(step).chain(high).unzip();
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        let tuning = PartsTuning { decided_on: 340, ..PartsTuning::default() };
+        let found = Parts::of(&contacts, &PartsOptions { tuning, ..PartsOptions::default() }).unwrap();
+        assert_eq!(found.parts.iter().map(|part| part.kind).collect::<Vec<_>>(), [PartKind::Plane; 3]);
+        assert!(found.parts[2].points > 200, "{:?}", found.parts[2]);
+        assert!(found.labels[..1500].iter().all(|label| *label == found.labels[0]));
+    }
+}

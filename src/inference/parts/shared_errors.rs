@@ -46,12 +46,8 @@ pub(super) fn widened(
 ) -> [f64; MOST_UNKNOWNS] {
     let count = inner.len().min(fit.tuning.shared_asked);
     let asked: Vec<usize> = (0..count).map(|k| inner[k * inner.len() / count] as usize).collect();
-    let of = |i: &usize| rows(fit.primitive, cloud.points[*i], cloud.normals[*i]);
-    let rows: Vec<_> = asked.iter().map(of).collect();
-    let pairs: Vec<(usize, usize, f64)> = (0..count)
-        .flat_map(|i| (0..i).map(move |j| (i, j)))
-        .map(|(i, j)| (i, j, norm(minus(cloud.points[asked[i]], cloud.points[asked[j]]))))
-        .collect();
+    let rows: Vec<_> = asked.iter().map(|i| rows(fit.primitive, cloud.points[*i], cloud.normals[*i])).collect();
+    let pairs = pairs(cloud, &asked);
     let products = |first: usize, last: usize, i: usize, j: usize| -> f64 {
         (first..=last).map(|t| rows[i][t].0 * rows[j][t].0).sum::<f64>()
     };
@@ -83,6 +79,12 @@ pub(super) fn widened(
     })
 }
 
+/// Every two of these contacts, and how far apart they are.
+fn pairs(cloud: &Cloud, asked: &[usize]) -> Vec<(usize, usize, f64)> {
+    let apart = |i: usize, j: usize| norm(minus(cloud.points[asked[i]], cloud.points[asked[j]]));
+    (0..asked.len()).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| (i, j, apart(i, j))).collect()
+}
+
 /// The kernel that products of residuals follow best, beside `variance` of each; `None` where chance explains them.
 fn kernel(
     (cloud, tuning): (&Cloud, &PartsTuning),
@@ -104,4 +106,45 @@ fn kernel(
         }
     }
     best.map(|(_, kernel)| kernel)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parts::hypothesis::{descended, extent};
+    use crate::primitives::descent::Sample;
+    use crate::primitives::placed::PartKind;
+    use palpate_numeric::draws::EffectDraws;
+
+    /// By how much the place of a plane is less sure: errors of 0.1 are each contact's own, or those of squares of 5 by 5 contacts.
+    fn of_plane(square: u32) -> f64 {
+        let draws = EffectDraws::new(12, "squares");
+        let place = |k: u32| {
+            let [i, j] = [k % 25, k / 25];
+            let mut error = [0.0];
+            draws.gaussians(0, u64::from(i / square + 25 * (j / square)), 1, &mut error);
+            [f64::from(i), f64::from(j), 0.1 * error[0]]
+        };
+        let points: Vec<_> = (0..625).map(place).collect();
+        let cloud = Cloud::new(&points, vec![[0.0, 0.0, 1.0]; 625]).unwrap();
+        let noise = Noise { distance: 0.1 / cloud.scale, normal: f64::INFINITY };
+        let sample = Sample {
+            points: &cloud.points,
+            normals: &cloud.normals,
+            u_distance: noise.distance,
+            u_normal: f64::INFINITY,
+        };
+        let found = descended(PartKind::Plane, &sample, &[], extent(&cloud.points)).unwrap();
+        let fit = Weighted { primitive: &found.primitive, noise: &noise, tuning: &PartsTuning::default() };
+        let inner: Vec<u32> = (0..625).collect();
+        widened(&cloud, &inner, &fit, &found.covariance().unwrap())[2]
+    }
+
+    /// Of 25 squares the mean is known as of 25 contacts; an exponential through their steps finds most of that.
+    #[test]
+    fn errors_of_squares_leave_a_mean_as_unsure_as_few_contacts() {
+        let [own, shared] = [of_plane(1), of_plane(5)];
+        assert!(own < 1.5, "{own}");
+        assert!((8.0..60.0).contains(&shared), "{shared}");
+    }
 }

@@ -9,7 +9,7 @@
 //!
 //! A departure from the primitive that neighbours share leaves r alone, so that the fit need not be good. What is no sheet is no part.
 
-use super::cloud::{Cloud, FEWEST_POINTS, LINKED};
+use super::cloud::{Cloud, LINKED};
 use super::local::{LocalShape, Noise};
 use super::tuning::PartsTuning;
 use crate::primitives::placed::Primitive;
@@ -22,15 +22,17 @@ pub(super) struct SheetLimit {
     pub(super) noise: Noise,
     /// Share of their linked neighbours that are among them.
     coherent: f64,
+    /// Fewest contacts of a region.
+    fewest: usize,
 }
 
 impl SheetLimit {
-    /// From what all contacts scatter by, and what is let pass beside it.
-    pub(super) fn new(common: &Noise, beside: &Noise, tuning: &PartsTuning) -> SheetLimit {
+    /// From what all contacts scatter by, what is let pass beside it, and how many contacts a region has at least.
+    pub(super) fn new(common: &Noise, beside: &Noise, fewest: usize, tuning: &PartsTuning) -> SheetLimit {
         let PartsTuning { loose, coherent, .. } = *tuning;
         let distance = loose * common.distance.hypot(beside.distance);
         let noise = Noise { distance, normal: loose * common.normal.hypot(beside.normal) };
-        SheetLimit { noise, coherent }
+        SheetLimit { noise, coherent, fewest }
     }
 
     /// Whether the contacts of a part lie on a sheet about its primitive.
@@ -56,7 +58,7 @@ impl SheetLimit {
 
     /// Whether the contacts of a region lie on a sheet, as the surfaces through their neighbours have it.
     pub(super) fn holds_region(&self, cloud: &Cloud, shapes: &[LocalShape], labels: &[u32], members: &[u32]) -> bool {
-        members.len() >= FEWEST_POINTS
+        members.len() >= self.fewest
             && self.coheres(cloud, labels, members)
             && median(members, |i| shapes[*i as usize].variance[0]).sqrt() <= self.noise.distance
             && median(members, |i| shapes[*i as usize].variance[1]).sqrt() <= self.noise.normal

@@ -85,3 +85,64 @@ impl Surveyed {
         Field { cloud, shapes, noise, coarse, pass, unresolved, cells, shared, blurred, tuning }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parts::{PartKind, Parts, PartsOptions};
+    use palpate_geometry::contact::Contacts;
+    use palpate_numeric::draws::EffectDraws;
+    use palpate_numeric::vector::{Vector, unit};
+
+    const SIDE: u32 = 50;
+
+    /// A third of a pipe, its places off by 0.6 spacings: each by an error of its own, or as waves some 12 spacings long have it, in which
+    /// case normals follow the waves.
+    fn touched(shared: bool) -> (Vec<Vector>, Vec<Vector>) {
+        let draws = EffectDraws::new(31, "waves");
+        let waves: Vec<[f64; 3]> = (0..40)
+            .map(|k| {
+                let mut drawn = [0.0; 3];
+                draws.gaussians(0, k, 3, &mut drawn);
+                [0.5 * drawn[0], 0.5 * drawn[1], 10.0 * drawn[2]]
+            })
+            .collect();
+        let contact = |k: u32| {
+            let [u, h] = [f64::from(k % SIDE), f64::from(k / SIDE)];
+            let mut own = [0.0; 3];
+            draws.gaussians(1, u64::from(k), 3, &mut own);
+            let of_waves = |of: fn(f64) -> f64, by: usize| -> f64 {
+                let wave = |w: &[f64; 3]| of(w[0] * u + w[1] * h + w[2]) * if by < 2 { w[by] } else { 1.0 };
+                waves.iter().map(wave).sum::<f64>() * 0.6 / 20.0_f64.sqrt()
+            };
+            let [height, along_u, along_h] = if shared {
+                [of_waves(f64::sin, 2) + 0.2 * own[0], of_waves(f64::cos, 0), of_waves(f64::cos, 1)]
+            } else {
+                [0.6 * own[0], 0.2 * own[1], 0.2 * own[2]]
+            };
+            let (sin, cos) = ((u - 25.0) / 24.0).sin_cos();
+            let radius = 24.0 + height;
+            let [out, turn] = [[sin, 0.0, cos], [cos, 0.0, -sin]];
+            let normal = [0, 1, 2].map(|a| out[a] - along_u * turn[a] - if a == 1 { along_h } else { 0.0 });
+            ([radius * sin, h, radius * cos], unit(normal))
+        };
+        (0..SIDE * SIDE).map(contact).unzip()
+    }
+
+    /// The switch, and the parts.
+    fn told(shared: bool) -> (bool, Vec<PartKind>) {
+        let (points, normals) = touched(shared);
+        let cloud = Cloud::new(&points, normals.clone()).unwrap();
+        let tuning = PartsTuning::default();
+        let switch = Surveyed::new(cloud.clone(), &LetPass::new(&cloud, None, false), &tuning).shared;
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        let found = Parts::of(&contacts, &PartsOptions::default()).unwrap();
+        (switch, found.parts.iter().map(|part| part.kind).collect())
+    }
+
+    #[test]
+    fn normals_that_follow_waves_of_errors_tell_that_neighbours_share_them() {
+        assert_eq!(told(true), (true, vec![PartKind::Cylinder]));
+        assert_eq!(told(false), (false, vec![PartKind::Cylinder]));
+    }
+}

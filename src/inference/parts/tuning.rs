@@ -32,8 +32,8 @@ pub struct PartsTuning {
     /// Share of a part's contacts that its kind is told by, those nearest to it. A twentieth of a scan may be off its edges, which is thrice
     /// as much of a small face.
     pub own: f64,
-    /// Scatter over that of all contacts, beyond which these are no sheet. The contacts between two faces at a right angle scatter by 0.28
-    /// spacings; beside noise of a tenth of a spacing and as much let pass, that is twice what is let pass.
+    /// Scatter over that of all contacts, beyond which these are no sheet, and no primitive's own. Contacts between two faces at a right
+    /// angle scatter by 0.28 spacings; beside noise of a tenth of a spacing and as much let pass, that is twice what is let pass.
     pub loose: f64,
     /// Share of the linked neighbours that are of the same part, from which on contacts are a surface: those of a surface two contacts wide
     /// have a half. What lies between a body and its background is thinner, and its neighbours are of the body.
@@ -59,10 +59,9 @@ pub struct PartsTuning {
     pub shared_turns: f64,
     /// Share of the contacts that one primitive must hold to stand for a cloud.
     pub nearly_all: f64,
-    /// Scatter about that primitive over what neighbourhoods show, with what is let pass, up to which it stands for a cloud without normals
-    /// that was cut into several parts. Scanned stems, bars and balls scatter by up to 3.3, drawn bodies of several faces by 5 and more.
-    pub one_scatter: f64,
-    /// The same in spacings: where noise is as large, many a body of several faces is within twice of it.
+    /// Scatter about that primitive, in spacings, up to which it may stand for a cloud without normals that was cut into several parts.
+    /// Contacts within a spacing of it resolve no second face; scanned stems, bars and balls scatter by up to 0.7, drawn bodies of several
+    /// faces that lie as near have an edge.
     pub one_spacings: f64,
     /// Most of what a fit is thought to have taken from residuals that neighbours share.
     pub shared_taken: f64,
@@ -90,7 +89,6 @@ impl Default for PartsTuning {
             shared_clear: 3.0,
             shared_turns: 1.35,
             nearly_all: 0.97,
-            one_scatter: 4.0,
             one_spacings: 1.0,
             shared_taken: 0.75,
         }

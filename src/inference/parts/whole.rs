@@ -4,17 +4,22 @@
 //! primitives by `bodies`, with the contacts within four sds      the answer, if no longer to tell than the cut cloud:
 //! length = sum over parts (n ln sd + sum min(d^2 / sd^2, CAP) / 2 + unknowns / 2 ln N) + AGREE (pairs of neighbours in different parts)
 //!          sd by the median; contacts of no part 0, lengths in units of the cloud's size
-//! one primitive through all contacts that holds nearly all       the answer where normals are not measured, if contacts scatter little
 //! primitives by `bodies` that hold nearly all                    the answer where neighbours share errors
+//! where normals are not measured, and the cut cloud has several parts:
+//! one primitive that holds nearly all, and is as near            the answer, if the parts go over into each other without an edge
+//! a smooth height field                                          the answer, if it is nearer to contacts left out than parts to their own
 //! ```
 //!
 //! A departure that would be shape is no primitive, and an ellipsoid is no part. The length is that of J. Rissanen, *Automatica* 14 (1978)
 //! 465: where contacts lie too far apart for regions to grow, few primitives that hold most of them tell more than one that holds all.
 
 use super::cloud::Cloud;
-use super::hypothesis::{CAP, best, sampled};
+use super::evidence::Residuals;
+use super::free_form::predicted;
+use super::hypothesis::{CAP, sampled};
+use super::joints::joints;
 use super::local::Noise;
-use super::partition::{AGREE, Field, NONE, Partition};
+use super::partition::{AGREE, Field, NONE, Partition, simplest};
 use super::tuning::PartsTuning;
 use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
 use crate::primitives::descent::Sample;
@@ -48,6 +53,14 @@ impl Partition {
     pub(super) fn holds_nearly_all(&self, tuning: &PartsTuning) -> bool {
         let held = self.labels.iter().filter(|label| **label != NONE).count() as f64;
         held >= tuning.nearly_all * self.labels.len() as f64
+    }
+
+    /// Whether its parts go over into each other: normals differ, where two of them meet, by no more than each may lean by.
+    fn is_smooth(&self, field: &Field) -> bool {
+        let normal = |part: u32, _, place| self.parts[part as usize].nearest(place).1;
+        let most = (std::f64::consts::SQRT_2 * field.coarse.normal).to_degrees();
+        let joints = joints(field.cloud, &self.labels, normal);
+        joints.len() + 1 >= self.parts.len() && joints.iter().all(|joint| joint.angle_deg < most)
     }
 
     /// Whether nearly all normals point to the free side of their part: two walls that face opposite ways are no one part, however near they
@@ -111,22 +124,34 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
     stands.then_some(whole)
 }
 
-/// One primitive for all contacts, begun at the parts, where it holds nearly all of them and they scatter little about it. Distances alone
-/// tell: normals of planes through neighbours tell the same again, and on the wrong side they lead astray.
+/// One primitive for all contacts, begun at the parts, where it holds nearly all of them, they scatter little about it, and no edge lies
+/// between the parts. Distances alone tell: normals of planes through neighbours tell the same again, and on the wrong side lead astray.
 pub(super) fn one(cut: &Partition, field: &Field) -> Option<Partition> {
     let (cloud, u) = (field.cloud, &field.coarse);
     let all: Vec<u32> = (0..cloud.len() as u32).collect();
     let (points, normals) = sampled(cloud, &all, LOOKED_AT);
     let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: f64::INFINITY };
-    let primitive = best(&sample, &cut.parts)?.primitive;
+    let blind = Noise { normal: f64::INFINITY, ..field.pass };
+    let loses = |simpler: &Residuals, richer: &Residuals, more| simpler.lose_to_kind(richer, more, field.cells, &blind);
+    let primitive = simplest((cloud, &all), &sample, &cut.parts, loses)?;
     let off: Vec<f64> = cloud.points.iter().map(|p| primitive.nearest(*p).0).collect();
     let sd = mad(off.iter().copied());
     let most = Tuning::default().belongs * sd;
     let labels: Vec<u32> = off.iter().map(|d| if d.abs() <= most { 0 } else { NONE }).collect();
     let found = Partition { parts: vec![facing(primitive, 0, &labels, cloud)], labels };
-    let PartsTuning { one_scatter, one_spacings, .. } = *field.tuning;
-    let is_near = sd < one_scatter * u.distance && sd < one_spacings * cloud.spacing;
+    let PartsTuning { loose, one_spacings, .. } = *field.tuning;
+    let is_near = sd < one_spacings * cloud.spacing && (sd < loose * u.distance || cut.is_smooth(field));
     (is_near && found.holds_nearly_all(field.tuning)).then_some(found)
+}
+
+/// Whether the cloud is one smooth surface of no kind rather than these parts: a height field is nearer to contacts that it was not told of
+/// than the parts are to their own.
+pub(super) fn is_free(cut: &Partition, field: &Field) -> bool {
+    let cloud = field.cloud;
+    let held = (0..cloud.len()).filter(|i| cut.labels[*i] != NONE);
+    let off = |i: usize| cut.parts[cut.labels[i] as usize].nearest(cloud.points[i]).0;
+    let (squares, count) = held.fold((0.0, 0.0), |(sum, count), i| (sum + off(i).powi(2), count + 1.0));
+    predicted(cloud, LOOKED_AT).is_some_and(|error| error * error * count < squares)
 }
 
 /// Numbers of the things that a place is near enough to, the nearest first.
@@ -209,6 +234,24 @@ mod tests {
         let bar = of(&places(30, false));
         assert_eq!((bar.len(), bar[0].kind), (1, PartKind::Cylinder));
         assert!((bar[0].geometry.radius.unwrap() - RADIUS).abs() < 1e-6, "{bar:?}");
+    }
+
+    /// Waves of three spacings each way are of no primitive, and were a cone for every crest; two faces with an edge are no waves.
+    #[test]
+    fn waves_without_normals_are_one_smooth_surface_and_faces_are_not() {
+        let lattice = |k: u32| [f64::from(k % 20) * 0.5, f64::from(k / 20) * 0.5];
+        let waves = |k: u32| {
+            let [x, y] = lattice(k);
+            [x, y, x.cos() + y.sin().powi(2)]
+        };
+        let one = of(&(0..400).map(waves).collect::<Vec<Vector>>());
+        assert_eq!((one.len(), one[0].kind, one[0].points), (1, PartKind::Patch, 400));
+        let roof = |k: u32| {
+            let [x, y] = lattice(k);
+            [x, y, -(x - 4.8).abs()]
+        };
+        let kinds: Vec<PartKind> = of(&(0..400).map(roof).collect::<Vec<Vector>>()).iter().map(|p| p.kind).collect();
+        assert_eq!(kinds, [PartKind::Plane; 2]);
     }
 
     /// A stem that is not quite round, without normals: what parts there are of it, one cylinder holds as well.
