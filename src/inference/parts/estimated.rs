@@ -11,7 +11,7 @@
 //! since normals at right angles tell nothing of each other's.
 
 use super::tuning::PartsTuning;
-use palpate_geometry::neighbours::{NEAREST, Neighbours, oriented};
+use palpate_geometry::neighbours::{NEAREST, Neighbours, oriented_anew};
 use palpate_numeric::linalg::small::{Square, eigen};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, scaled};
@@ -33,7 +33,7 @@ pub(super) fn estimated(points: &[Vector], viewpoint: Option<Vector>, tuning: &P
     let near = threads::map(points.len(), 256, |i| tree.nearest(points[i], NEAREST));
     let planes = threads::map(points.len(), 256, |i| plane(points, near[i].iter().map(|(_, j)| *j as usize)));
     let upward = |plane: &NeighbourPlane| if plane.normal[2] < 0.0 { scaled(-1.0, plane.normal) } else { plane.normal };
-    let mut normals = oriented(points, planes.iter().map(upward).collect(), viewpoint).normals;
+    let mut normals = oriented_anew(points, planes.iter().map(upward).collect(), viewpoint).normals;
     if let Some(eye) = viewpoint {
         // what a viewpoint sees faces it
         let turn = |(n, p): (&mut Vector, &Vector)| *n = scaled(dot(*n, minus(eye, *p)).signum(), *n);
