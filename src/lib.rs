@@ -93,6 +93,9 @@ pub mod parts {
     pub use palpate_inference::parts::{
         Joint, JointKind, Part, PartGeometry, PartKind, PartUncertainty, Parts, PartsError, PartsOptions, PointShapes,
     };
+    // settings of which a user of the defaults needs no name
+    #[doc(hidden)]
+    pub use palpate_inference::parts::PartsTuning;
 }
 
 /// Fits that are planned once and then repeated without allocation: scattered contacts, images, touches one by one.

@@ -17,7 +17,7 @@ pub mod facade {
         pub use palpate_fitting::fit::FitError;
     }
     pub mod parts {
-        pub use crate::parts::{PartKind, Parts, PartsError, PartsOptions, PointShapes};
+        pub use crate::parts::{PartKind, Parts, PartsError, PartsOptions, PartsTuning, PointShapes};
     }
     pub mod recognition {
         pub use crate::bodies::Tuning;

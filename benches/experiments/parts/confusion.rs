@@ -15,7 +15,7 @@ const FAMILIES: [&str; 7] = ["box", "capsule", "cone", "flange", "mug", "pipe", 
 const LEVELS: [(f64, f64); 3] = [(0.1, 3.0), (0.0, 0.0), (1.0, 10.0)];
 
 /// Fewest and most contacts of a body; their logarithm is even between the two.
-const CONTACTS: (f64, f64) = (300.0, 100_000.0);
+const CONTACTS: [f64; 2] = [300.0, 100_000.0];
 
 /// Fewest contacts of a face that is judged.
 const FEWEST_CONTACTS: usize = 24;
@@ -55,11 +55,10 @@ impl Count {
 }
 
 /// The table of so many bodies.
-pub(crate) fn print(bodies: u64, first: u64, only: Option<f64>, most: Option<f64>) {
-    let most = most.unwrap_or(CONTACTS.1);
+pub(crate) fn print(bodies: u64, first: u64, only: Option<f64>, contacts: [Option<f64>; 2]) {
+    let [least, most] = [0, 1].map(|k| contacts[k].unwrap_or(CONTACTS[k]));
     println!(
-        "{bodies} bodies from seed {first}, each at every level of noise; 5 % mixed pixels; {} to {} contacts",
-        CONTACTS.0, most
+        "{bodies} bodies from seed {first}, each at every level of noise; 5 % mixed pixels; {least} to {most} contacts"
     );
     println!(
         "{:<26} {:>6} {:>9} {:>6} {:>6} {:>6} {:>6} {:>6} {:>9}",
@@ -71,7 +70,7 @@ pub(crate) fn print(bodies: u64, first: u64, only: Option<f64>, most: Option<f64
             let family = (number % FAMILIES.len() as u64) as usize;
             // normals are measured on every second body, whatever its family
             let measured = (number / FAMILIES.len() as u64).is_multiple_of(2);
-            let count = judged(family, first + number, level, measured.then_some(degrees), most);
+            let count = judged(family, first + number, level, measured.then_some(degrees), [least, most]);
             rows[usize::from(!measured)][family].add(&count);
         }
         let mut all = Count::default();
@@ -89,10 +88,10 @@ pub(crate) fn print(bodies: u64, first: u64, only: Option<f64>, most: Option<f64
     }
 }
 
-fn judged(family: usize, seed: u64, level: f64, normals_deg: Option<f64>, most: f64) -> Count {
+fn judged(family: usize, seed: u64, level: f64, normals_deg: Option<f64>, [least, most]: [f64; 2]) -> Count {
     let mut random = Random(seed.wrapping_mul(47).wrapping_add(family as u64));
     let body = form(FAMILIES[family], &mut random);
-    let contacts = (random.between(CONTACTS.0.ln(), most.ln())).exp();
+    let contacts = (random.between(least.ln(), most.ln())).exp();
     let from_one_side = random.between(0.0, 1.0) < 0.5;
     let scan = Scan { contacts, level, normals_deg, from_one_side, mixed: true };
     let scan = scanned(&body, &scan, seed);

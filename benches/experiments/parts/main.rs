@@ -2,7 +2,7 @@
 //!
 //!     cargo bench --bench parts [-- SEEDS [FIRST]]
 //!     cargo bench --bench parts -- free [SEEDS [FIRST]]       regions that no primitive explains
-//!     cargo bench --bench parts -- confusion [BODIES [FIRST]] [level=0.1] [most=6000] faces found, lost, of a wrong kind, and invented
+//!     cargo bench --bench parts -- confusion [BODIES [FIRST]] [level=0.1] [least=300] [most=6000] faces found, lost, invented
 //!     cargo bench --bench parts -- intervals [BODIES [FIRST]] how often intervals of sizes and axes hold
 //!     cargo bench --bench parts -- objects [SEEDS [FIRST]]    which of 20 known objects a scan from one side is
 //!
@@ -53,7 +53,8 @@ fn main() {
     }
     if std::env::args().any(|word| word == "confusion") {
         let named = |name: &str| std::env::args().find_map(|word| word.strip_prefix(name).and_then(|v| v.parse().ok()));
-        return confusion::print(numbers.first().copied().unwrap_or(200), first, named("level="), named("most="));
+        let contacts = [named("least="), named("most=")];
+        return confusion::print(numbers.first().copied().unwrap_or(200), first, named("level="), contacts);
     }
     if std::env::args().any(|word| word == "intervals") {
         return intervals::print(numbers.first().copied().unwrap_or(100), first);

@@ -276,7 +276,8 @@ pub fn parts_of(
     viewpoint: Option<[f64; 3]>,
 ) -> Result<(Vec<u8>, Vec<u32>), String> {
     let clock = Instant::now();
-    let found = Parts::of(contacts, &PartsOptions { tolerance, viewpoint }).map_err(|error| error.to_string())?;
+    let found = Parts::of(contacts, &PartsOptions { tolerance, viewpoint, ..PartsOptions::default() })
+        .map_err(|error| error.to_string())?;
     let document = PartsDocument::new("contacts", &found, Vec::new(), clock.elapsed().as_secs_f64());
     let mut json = Vec::new();
     // a Vec takes every byte

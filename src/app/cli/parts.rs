@@ -44,7 +44,7 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     let taken = if is_scene { from_scene(args)? } else { spinner.while_reading(|| from_file(args))? };
     spinner.phase(&format!("looking for the parts of {}", args.input));
     let clock = Instant::now();
-    let options = PartsOptions { tolerance: args.tolerance, viewpoint: taken.viewpoint };
+    let options = PartsOptions { tolerance: args.tolerance, viewpoint: taken.viewpoint, ..PartsOptions::default() };
     if let Some((path, format)) = format {
         let found = in_time(&taken, &options, PointShapes::of, "the shape of every point was known; nothing is kept")?;
         write_atomically(path, &mut |out| write_point_shapes(&taken.contacts, &found, format, out))?;

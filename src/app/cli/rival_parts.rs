@@ -14,7 +14,8 @@ use crate::report::Answer;
 pub(super) fn parts_instead(input: &Input, answer: &Answer, options: &RecognitionOptions) -> Option<Parts> {
     let Input::Contacts(contacts) = input else { return None };
     let distances = distances_from(answer, contacts)?;
-    Parts::instead_of(&distances, contacts, &PartsOptions { viewpoint: options.viewpoint, tolerance: None })
+    let options = PartsOptions { viewpoint: options.viewpoint, ..PartsOptions::default() };
+    Parts::instead_of(&distances, contacts, &options)
 }
 
 /// Distances of the contacts from a surface of no simple kind.

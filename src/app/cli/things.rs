@@ -52,7 +52,8 @@ impl Things {
         }
         spinner.phase(&format!("looking for the parts of {}", self.reading.file));
         let clock = Instant::now();
-        let options = PartsOptions { viewpoint: told.viewpoint.or(seen_from(&self.reading)), tolerance: None };
+        let options =
+            PartsOptions { viewpoint: told.viewpoint.or(seen_from(&self.reading)), ..PartsOptions::default() };
         let cut = || Parts::of(contacts, &options).ok().filter(holds_most);
         let found = self.found.parts.clone().or_else(cut).ok_or_else(|| self.refused())?;
         let document = PartsDocument::new(&self.reading.file, &found, Vec::new(), clock.elapsed().as_secs_f64());

@@ -120,6 +120,7 @@ mod tests {
             parameters: PartGeometry::default(),
             u: PartUncertainty::default(),
             class: None,
+            other_class: None,
             shape_index: None,
             curvedness: 0.5,
             points: 1,

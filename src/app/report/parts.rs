@@ -40,6 +40,9 @@ pub(crate) struct PartRecord {
     pub u: PartUncertainty,
     /// Class by the mean S.
     pub class: Option<String>,
+    /// What it is from the other side, where nothing tells which is free.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub other_class: Option<String>,
     /// Mean S.
     #[serde(rename = "S")]
     pub shape_index: Option<f64>,
@@ -192,6 +195,7 @@ fn part(part: &Part) -> PartRecord {
         parameters: part.geometry,
         u: part.u,
         class: part.class.map(|class| class.name().into()),
+        other_class: part.other_class.map(|class| class.name().into()),
         shape_index: part.shape_index,
         curvedness: part.curvedness,
         points: part.points,
@@ -201,6 +205,12 @@ fn part(part: &Part) -> PartRecord {
         p: part.p,
         departure: part.departure,
     }
+}
+
+/// The class, with what it is from the other side where nothing tells which is free.
+pub(super) fn class_words(part: &PartRecord) -> String {
+    let class = part.class.as_deref().unwrap_or("-");
+    part.other_class.as_ref().map_or(class.into(), |other| format!("{class} or {other}"))
 }
 
 /// A table for people: parts, joints, and the truth of a scene.
@@ -227,7 +237,7 @@ pub(crate) fn write_parts_table(document: &PartsDocument, width: usize, out: &mu
     );
     let _ = writeln!(text, "{:>4}  {:<9} {:<13} {:>8}  {:<44} fit", "part", "kind", "class", "contacts", "size");
     for part in &document.parts {
-        let class = part.class.as_deref().unwrap_or("-");
+        let class = class_words(part);
         let kind = if part.hollow { format!("{} *", part.kind) } else { part.kind.clone() };
         let _ = writeln!(
             text,

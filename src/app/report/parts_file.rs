@@ -40,6 +40,7 @@ fn part(record: PartRecord) -> Result<Part, String> {
         geometry: record.parameters,
         u: record.u,
         class: flat.or(record.shape_index.map(ShapeClass::of_shape_index)),
+        other_class: None,
         shape_index: record.shape_index,
         curvedness: record.curvedness,
         points: record.points,

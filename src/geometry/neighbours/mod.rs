@@ -11,5 +11,5 @@ mod orientation;
 mod tree;
 
 pub use estimated_normals::{NEAREST, plane_normal};
-pub use orientation::{Oriented, mean_of, oriented};
+pub use orientation::{Oriented, mean_of, oriented, oriented_anew};
 pub use tree::Neighbours;

@@ -82,7 +82,7 @@ pub fn oriented(points: &[Vector], normals: Vec<Vector>, viewpoint: Option<Vecto
 }
 
 /// Orients unit normals whose signs mean nothing.
-pub(super) fn oriented_anew(points: &[Vector], normals: Vec<Vector>, viewpoint: Option<Vector>) -> Oriented {
+pub fn oriented_anew(points: &[Vector], normals: Vec<Vector>, viewpoint: Option<Vector>) -> Oriented {
     with_signs(points, normals, viewpoint, |tree, normals| {
         spread_signs(tree, points, normals);
         false

@@ -4,12 +4,14 @@ use super::cloud::Cloud;
 use super::evidence::Cells;
 use super::exact::{Exact, StartNoise, simplest};
 use super::free_form::{FreeForm, free_form};
-use super::joints::joints;
+use super::joints::{Joint, joints};
 use super::lack_of_fit_uncertainty::{is_free_form, is_rejected, reach};
 use super::local::{LocalShape, Noise};
 use super::partition::{NONE, Partition};
-use super::recognition_fallback::few;
+use super::recognition_fallback::{Few, few};
 use super::result::{Part, PartGeometry, PartUncertainty, Parts};
+use super::sheet::SheetLimit;
+use super::tuning::PartsTuning;
 use super::unexplained_regions::label_leftover;
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
@@ -17,6 +19,17 @@ use palpate_numeric::linalg::small::Square;
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, scaled};
+
+/// Where the parts are from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// Regions that grew.
+    Cut,
+    /// Primitives of the whole cloud, fitted already.
+    Whole,
+    /// All contacts are one smooth surface.
+    Free,
+}
 
 /// What the answer is made of.
 pub(super) struct Findings<'a> {
@@ -26,10 +39,14 @@ pub(super) struct Findings<'a> {
     pub(super) coarse: Noise,
     pub(super) tolerance: f64,
     pub(super) cells: &'a Cells,
+    /// What the contacts of a surface scatter by.
+    pub(super) limit: SheetLimit,
     /// Whether the normals are measurements.
     pub(super) measured: bool,
-    /// Whether the primitives are those of the whole cloud, fitted already.
-    pub(super) is_whole: bool,
+    /// Whether something tells which side is free.
+    pub(super) side_known: bool,
+    pub(super) origin: Origin,
+    pub(super) tuning: &'a PartsTuning,
 }
 
 impl Findings<'_> {
@@ -37,65 +54,89 @@ impl Findings<'_> {
     pub(super) fn parts(&self, mut partition: Partition, notes: Vec<String>) -> Parts {
         let cloud = self.cloud;
         let exact_parts = partition.parts.len() as u32;
-        let patches = label_leftover(cloud, self.shapes, &mut partition.labels, exact_parts);
+        let patches = self.regions(&mut partition.labels, exact_parts);
         let members = partition_members(&partition.labels, (exact_parts + patches) as usize);
-        let begin = StartNoise { coarse: self.coarse, is_known: self.is_whole };
+        let begin = StartNoise {
+            coarse: self.coarse,
+            is_known: self.origin == Origin::Whole,
+            measured: self.measured,
+            tuning: self.tuning,
+        };
         let exact = threads::map(exact_parts as usize, 1, |part| {
             let inner = partition.inner(cloud, &members[part]);
             simplest(cloud, &inner, &partition.parts[part], &begin, self.cells)
         });
         let few = few(cloud, self.measured, &members, &exact);
-        let likely = |(k, coarse): (usize, &Primitive)| {
-            let primitive = exact[k].map_or(*coarse, |e| e.descended.primitive);
-            let [s, r] = mean_shape(cloud, &primitive, &members[k]);
-            let contradicts =
-                few[k].as_ref().is_some_and(|few| few.contradicts(primitive.kind, class_of(&primitive, s), r));
-            (!contradicts).then_some(primitive)
-        };
-        let surface: Vec<Option<Primitive>> = partition.parts.iter().enumerate().map(likely).collect();
+        let found = |k: usize| exact[k].map_or(partition.parts[k], |e| e.descended.primitive);
+        let told = |k: usize| likely(cloud, found(k), &members[k], few[k].as_ref());
+        let surface: Vec<Option<Primitive>> = (0..exact.len()).map(told).collect();
         let normal = |part: u32, i: usize, place: Vector| match surface.get(part as usize) {
             Some(Some(primitive)) => primitive.nearest(place).1,
             _ => cloud.normals[i],
         };
         let mut joints = joints(cloud, &partition.labels, normal);
         let is_free_form = is_free_form(&exact);
-        let mut parts: Vec<Part> = members
-            .iter()
-            .enumerate()
-            .map(|(k, members)| match (surface.get(k), few.get(k).and_then(Option::as_ref)) {
-                (Some(Some(primitive)), few) => {
-                    let mut part = self.primitive_part(primitive, exact[k].as_ref(), members, is_free_form);
-                    if let Some(few) = few {
-                        few.widen(cloud, part.kind, part.geometry.radius, &mut part.u);
-                    }
-                    part
-                }
-                (_, Some(few)) => Part { class: Some(few.class()), ..self.patch_part(members, Some(few.free_form())) },
-                (_, None) => self.patch_part(members, free_form(cloud, members)),
-            })
-            .collect();
-        let mut order: Vec<usize> = (0..parts.len()).collect();
-        order.sort_by_key(|k| (std::cmp::Reverse(parts[*k].points), *k));
-        let mut number = vec![0; parts.len()];
-        order.iter().enumerate().for_each(|(id, k)| number[*k] = id);
-        parts.iter_mut().zip(&number).for_each(|(part, id)| part.id = *id);
-        parts.sort_by_key(|part| part.id);
-        for joint in &mut joints {
-            joint.parts = joint.parts.map(|k| number[k]);
-            joint.parts.sort_unstable();
+        let part = |(k, members): (usize, &Vec<u32>)| match (surface.get(k), few.get(k).and_then(Option::as_ref)) {
+            (Some(Some(primitive)), few) => {
+                self.widened_part(primitive, exact[k].as_ref(), members, (is_free_form, few))
+            }
+            (_, Some(few)) => Part { class: Some(few.class()), ..self.patch_part(members, Some(few.free_form())) },
+            (_, None) => self.patch_part(members, free_form(cloud, members)),
+        };
+        let mut parts: Vec<Part> = members.iter().enumerate().map(part).collect();
+        let number = largest_first(&mut parts, &mut joints);
+        let labels = partition.labels.iter().map(|l| (*l != NONE).then(|| number[*l as usize] as u32));
+        self.answer(parts, joints, labels, notes)
+    }
+
+    /// Labels regions that no primitive explains, from this number on; gives back how many there are.
+    fn regions(&self, labels: &mut [u32], first: u32) -> u32 {
+        match self.origin {
+            Origin::Free => {
+                labels.fill(first);
+                1
+            }
+            Origin::Cut | Origin::Whole => label_leftover(self.cloud, self.shapes, labels, first, &self.limit),
         }
-        joints.sort_by_key(|joint| joint.parts);
-        let label = |l: &u32| (*l != NONE).then(|| number[*l as usize] as u32);
+    }
+
+    fn answer(
+        &self,
+        mut parts: Vec<Part>,
+        joints: Vec<Joint>,
+        labels: impl Iterator<Item = Option<u32>>,
+        notes: Vec<String>,
+    ) -> Parts {
+        if !self.side_known {
+            let other = |class: &ShapeClass| Some(class.mirrored()).filter(|other| other != class);
+            parts.iter_mut().for_each(|part| part.other_class = part.class.as_ref().and_then(other));
+        }
+        let scale = self.cloud.scale;
         Parts {
             parts,
             joints,
-            labels: partition.labels.iter().map(label).collect(),
-            spacing: cloud.spacing * cloud.scale,
-            noise: self.noise.distance * cloud.scale,
+            labels: labels.collect(),
+            spacing: self.cloud.spacing * scale,
+            noise: self.noise.distance * scale,
             normal_noise_deg: self.noise.normal.to_degrees(),
-            tolerance: self.tolerance * cloud.scale,
+            tolerance: self.tolerance * scale,
             notes,
         }
+    }
+
+    /// A primitive with the uncertainties that few touches leave, where these are all.
+    fn widened_part(
+        &self,
+        primitive: &Primitive,
+        exact: Option<&Exact>,
+        members: &[u32],
+        (free_form, few): (bool, Option<&Few>),
+    ) -> Part {
+        let mut part = self.primitive_part(primitive, exact, members, free_form);
+        if let Some(few) = few {
+            few.widen(self.cloud, part.kind, part.geometry.radius, &mut part.u);
+        }
+        part
     }
 
     fn primitive_part(&self, primitive: &Primitive, exact: Option<&Exact>, members: &[u32], free_form: bool) -> Part {
@@ -112,6 +153,7 @@ impl Findings<'_> {
             geometry: geometry(cloud, primitive),
             u,
             class: Some(class_of(primitive, s)),
+            other_class: None,
             shape_index: mean,
             curvedness: r / cloud.scale,
             points: members.len(),
@@ -144,6 +186,7 @@ impl Findings<'_> {
             geometry: PartGeometry { point, ..PartGeometry::default() },
             u,
             class: shape_index.map(ShapeClass::of_shape_index),
+            other_class: None,
             shape_index,
             curvedness: curvedness / cloud.scale,
             points: members.len(),
@@ -164,6 +207,29 @@ impl Findings<'_> {
         let variances: Vec<f64> = known.iter().map(|s| s.variance[0]).collect();
         (mean(&of_s), mean(&of_r).unwrap_or(0.0), upper_median(variances).unwrap_or(0.0).sqrt())
     }
+}
+
+/// The primitive, where what few touches tell does not contradict it.
+fn likely(cloud: &Cloud, primitive: Primitive, members: &[u32], few: Option<&Few>) -> Option<Primitive> {
+    let [s, r] = mean_shape(cloud, &primitive, members);
+    let contradicts = few.is_some_and(|few| few.contradicts(primitive.kind, class_of(&primitive, s), r));
+    (!contradicts).then_some(primitive)
+}
+
+/// Numbers the parts anew, the largest first, and their joints with them; gives back the new number of each.
+fn largest_first(parts: &mut [Part], joints: &mut [Joint]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..parts.len()).collect();
+    order.sort_by_key(|k| (std::cmp::Reverse(parts[*k].points), *k));
+    let mut number = vec![0; parts.len()];
+    order.iter().enumerate().for_each(|(id, k)| number[*k] = id);
+    parts.iter_mut().zip(&number).for_each(|(part, id)| part.id = *id);
+    parts.sort_by_key(|part| part.id);
+    for joint in joints.iter_mut() {
+        joint.parts = joint.parts.map(|k| number[k]);
+        joint.parts.sort_unstable();
+    }
+    joints.sort_by_key(|joint| joint.parts);
+    number
 }
 
 /// Mean S and R of a primitive over the places of its contacts, in the cloud's units.

@@ -50,6 +50,11 @@ impl Cloud {
     /// From points and unit normals in the input's units; `None` where all points are one.
     pub(super) fn new(points: &[Vector], normals: Vec<Vector>) -> Option<Cloud> {
         let (points, centre, scale) = framed(points)?;
+        Cloud::beside_each_other(points, normals, centre, scale)
+    }
+
+    /// With neighbours, of points that are in units of their size already.
+    fn beside_each_other(points: Vec<Vector>, normals: Vec<Vector>, centre: Vector, scale: f64) -> Option<Cloud> {
         let tree = Neighbours::new(&points);
         let of = |i: usize| -> ([u32; NEAREST], f64) {
             let found = tree.nearest(points[i], NEAREST + 1);
@@ -62,6 +67,32 @@ impl Cloud {
         let spacing = upper_median(found.iter().map(|(_, distance)| *distance).collect::<Vec<f64>>())?;
         let neighbours = found.into_iter().flat_map(|(list, _)| list).collect();
         Some(Cloud { points, normals, neighbours, spacing, scale, centre })
+    }
+
+    /// So many of the contacts, evenly along a curve that fills space, in the same units; `None` where there are no more.
+    pub(super) fn spread(&self, most: usize) -> Option<Cloud> {
+        if self.len() <= most {
+            return None;
+        }
+        let mut order: Vec<(u64, u32)> = self.points.iter().zip(0..).map(|(p, i)| (self.along_curve(p), i)).collect();
+        let place = |i: u32| self.points[i as usize];
+        let by_place = |a: u32, b: u32| {
+            let (a, b) = (place(a), place(b));
+            a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
+        };
+        order.sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_place(a.1, b.1)).then(a.1.cmp(&b.1)));
+        let taken = (0..most).map(|k| order[k * self.len() / most].1 as usize);
+        let (points, normals) = taken.map(|i| (self.points[i], self.normals[i])).unzip();
+        Cloud::beside_each_other(points, normals, self.centre, self.scale)
+    }
+
+    /// Where a place lies along G. M. Morton's curve through cells of a spacing.
+    fn along_curve(&self, place: &Vector) -> u64 {
+        const BITS: u32 = 20;
+        let middle = f64::from(1 << (BITS - 1));
+        let side = self.spacing.max(f64::MIN_POSITIVE);
+        let cell = place.map(|v| (v / side + middle).clamp(0.0, 2.0 * middle - 1.0) as u64);
+        (0..BITS).fold(0, |key, bit| (0..3).fold(key, |key, k| key | ((cell[k] >> bit) & 1) << (3 * bit + k as u32)))
     }
 
     pub(super) fn len(&self) -> usize {

@@ -109,7 +109,8 @@ fn sums_of(cells: &[u32], residuals: &[(u32, f64)]) -> impl Iterator<Item = (f64
 #[derive(Clone, Debug, Default)]
 pub(super) struct Residuals {
     distances: Vec<(u32, f64)>,
-    normals: f64,
+    /// Squares of what the normals are off by.
+    normals: Vec<f64>,
 }
 
 impl Residuals {
@@ -119,25 +120,52 @@ impl Residuals {
             let (d, normal) = primitive.nearest(cloud.points[i as usize]);
             let off = minus(normal, cloud.normals[i as usize]);
             self.distances.push((i, d));
-            self.normals += dot(off, off);
+            self.normals.push(dot(off, off));
         }
     }
 
-    /// Root mean squares, with what is let pass.
-    fn spread(&self, pass: &Noise) -> Noise {
-        let count = self.distances.len().max(1) as f64;
-        let distances = self.distances.iter().map(|(_, d)| d * d).sum::<f64>() / count;
-        Noise {
-            distance: distances.sqrt().hypot(pass.distance),
-            normal: (0.5 * self.normals / count).sqrt().hypot(pass.normal),
-        }
+    /// Root mean squares of this share of the least, with what is let pass.
+    fn spread(&self, pass: &Noise, share: f64) -> Noise {
+        let mean = |mut squares: Vec<f64>| {
+            let kept = ((share * squares.len() as f64).ceil() as usize).clamp(1, squares.len().max(1));
+            if kept < squares.len() {
+                squares.select_nth_unstable_by(kept - 1, f64::total_cmp);
+            }
+            squares.iter().take(kept).sum::<f64>() / kept as f64
+        };
+        let distances = mean(self.distances.iter().map(|(_, d)| d * d).collect());
+        let normals = 0.5 * mean(self.normals.clone());
+        Noise { distance: distances.sqrt().hypot(pass.distance), normal: normals.sqrt().hypot(pass.normal) }
     }
 
     /// By how much the richer description beats this one.
     pub(super) fn lose_to(&self, richer: &Residuals, unknowns: usize, cells: &Cells, pass: &Noise) -> f64 {
-        let (one, two) = (self.spread(pass), richer.spread(pass));
-        let independent = cells.independent(&self.distances);
-        let gain = (one.distance / two.distance).ln() + 2.0 * (one.normal / two.normal).ln();
+        self.lose_over(richer, unknowns, cells, pass, 1.0)
+    }
+
+    /// The same where both are one primitive: what the richer leaves over is errors then, and what the simpler leaves besides is not.
+    pub(super) fn lose_to_kind(&self, richer: &Residuals, unknowns: usize, cells: &Cells, pass: &Noise) -> f64 {
+        let independent = cells.independent(&richer.distances);
+        self.lost(richer, unknowns, independent, (pass, 1.0))
+    }
+
+    /// The same over the `share` of the contacts that is nearest, where others at the rim may be of neither: a plane with what a camera puts
+    /// beside its edges is no ring.
+    pub(super) fn lose_over(
+        &self,
+        richer: &Residuals,
+        unknowns: usize,
+        cells: &Cells,
+        pass: &Noise,
+        share: f64,
+    ) -> f64 {
+        self.lost(richer, unknowns, cells.independent(&self.distances), (pass, share))
+    }
+
+    fn lost(&self, richer: &Residuals, unknowns: usize, independent: f64, (pass, share): (&Noise, f64)) -> f64 {
+        let (one, two) = (self.spread(pass, share), richer.spread(pass, share));
+        let of_normals = if pass.normal.is_finite() { 2.0 * (one.normal / two.normal).ln() } else { 0.0 };
+        let gain = (one.distance / two.distance).ln() + of_normals;
         let unknowns = unknowns as f64;
         let by_chance = ChiSquared::new(unknowns).map_or(0.0, |law| law.inverse_cdf(1.0 - BY_CHANCE));
         independent * gain - 0.5 * (unknowns * independent.ln()).max(by_chance)

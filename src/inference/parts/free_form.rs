@@ -12,7 +12,7 @@
 use super::cloud::Cloud;
 use super::hypothesis::sampled;
 use crate::recognition::{RecognitionOptions, flexible, own_axes};
-use palpate_fitting::fit::{Fit, FitOptions, Statistic, fit_contacts_over};
+use palpate_fitting::fit::{Fit, FitOptions, Smooth, Statistic, fit_contacts_over};
 use palpate_geometry::contact::Contacts;
 use palpate_numeric::vector::{Vector, norm};
 
@@ -40,6 +40,10 @@ const RICH: [(usize, usize); 3] = [(600, 3), (200, 2), (0, 1)];
 /// Degree of a rich field: what a ball or a ring lacks of a bump begins in the third and fourth.
 const RICH_DEGREE: usize = 4;
 
+/// So little smoothing that it only makes the rank full: corners that no contact of a round region reaches would otherwise take most of the
+/// time of a scan, by the turns of least roughness.
+const FAINT: Smooth = Smooth::Lambda(1e-9);
+
 /// Contacts that a rich field is fitted to. More know S and R better than the field can follow a surface.
 const RICH_CONTACTS: usize = 3000;
 
@@ -54,12 +58,20 @@ pub(super) fn free_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
     described(&fit)
 }
 
+/// How near a height field of some contacts, `most` at the most, comes to those left out; `None` where none follows them.
+pub(super) fn predicted(cloud: &Cloud, most: usize) -> Option<f64> {
+    let all: Vec<u32> = (0..cloud.len() as u32).collect();
+    let (contacts, axes) = one_sided(cloud, &all, most)?;
+    let field = flexible(&contacts, axes, &FitOptions::default())?.ok()?;
+    (field.error < PREDICTED * field.relief).then_some(field.error)
+}
+
 /// A field that leaves S and R open, for doubt about a primitive; `None` where no height field follows the members.
 pub(super) fn rich_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
     let (contacts, axes) = one_sided(cloud, members, RICH_CONTACTS)?;
     let segments = RICH.into_iter().find(|(from, _)| members.len() >= *from).map_or(1, |(_, segments)| segments);
     let of = |degree: usize, segments: usize| {
-        let options = FitOptions::default().with_degree(degree).with_segments(segments, segments);
+        let options = FitOptions::default().with_degree(degree).with_segments(segments, segments).with_smooth(FAINT);
         fit_contacts_over(&contacts, axes, &options).ok().and_then(|fit| described(&fit))
     };
     of(RICH_DEGREE, segments).or_else(|| of(RICH_DEGREE, 1)).or_else(|| of(RICH_DEGREE - 1, 1))

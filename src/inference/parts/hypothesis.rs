@@ -8,12 +8,12 @@
 //! The kind is chosen anew at every size: what looks flat while it is small is a cylinder when it has grown. P. J. Besl and
 //! R. C. Jain, *Segmentation through variable-order surface fitting*, IEEE PAMI 10 (1988) 167.
 
-use super::cloud::{Cloud, NEAREST};
+use super::cloud::{Cloud, LINKED, NEAREST};
 use super::local::Noise;
 use crate::primitives::descent::{Descended, Sample, descend, sum_of_squares};
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::primitives::starts::starts;
-use palpate_numeric::vector::{Vector, dot, minus};
+use palpate_numeric::vector::{Vector, along, dot, minus};
 
 /// Cost at which a point is none of the primitive's: three squares of gaussians exceed it once in a thousand.
 pub(super) const CAP: f64 = 16.0;
@@ -73,8 +73,20 @@ pub(super) fn descended(kind: PartKind, sample: &Sample, before: &[Primitive], e
     // of several starts the two nearest to the points are worth a descent
     all.sort_by(|a, b| sum_of_squares(a, sample).total_cmp(&sum_of_squares(b, sample)));
     let found = all.iter().take(2).filter_map(|start| descend(start, sample));
-    let sound = found.filter(|d| d.primitive.is_sound(extent) && d.sum.is_finite());
-    sound.min_by(|a, b| a.sum.total_cmp(&b.sum))
+    let is_sound = |d: &Descended| d.primitive.is_sound(extent) && d.sum.is_finite();
+    let least = |a: Descended, b: Descended| if b.sum < a.sum { b } else { a };
+    let found = found.filter(is_sound).reduce(least)?;
+    // rows of a whole ring are nowhere near those of its dual, and a descent would be for nothing
+    let dual = found.primitive.dual_ring(middle(sample.points));
+    let near =
+        dual.filter(|dual| dual.is_sound(extent) && sum_of_squares(dual, sample) < CAP * sample.points.len() as f64);
+    let other = near.and_then(|dual| descend(&dual, sample)).filter(is_sound);
+    Some(other.map_or(found, |other| least(found, other)))
+}
+
+/// The mean of some points.
+fn middle(points: &[Vector]) -> Vector {
+    points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0 / points.len() as f64, *p))
 }
 
 /// The largest side of the points' box.
@@ -132,9 +144,25 @@ impl Walk {
     }
 }
 
-/// The primitive about one point, and the points that it explains.
-pub(super) fn grow(cloud: &Cloud, seed: usize, u: &Noise, walk: &mut Walk) -> Option<(Primitive, Vec<u32>)> {
-    let first: Vec<u32> = std::iter::once(seed as u32).chain(cloud.near(seed).iter().copied()).collect();
+/// The primitive about one point, and the points that it explains at less than `most_of` it. It begins with neighbours whose normals are
+/// nearly the point's own: on a narrow face most neighbours are of others.
+pub(super) fn grow(
+    (cloud, u, parallel): (&Cloud, &Noise, f64),
+    seed: usize,
+    walk: &mut Walk,
+    most_of: impl Fn(usize) -> f64,
+) -> Option<(Primitive, Vec<u32>)> {
+    let free = |i: usize| most_of(i) > 0.0;
+    let is_alike = |j: &u32| free(*j as usize) && dot(cloud.normals[seed], cloud.normals[*j as usize]) > parallel;
+    // what lies singly among contacts of other parts begins none
+    if 2 * cloud.linked(seed).iter().filter(|j| free(**j as usize)).count() < LINKED {
+        return None;
+    }
+    let near = cloud.near(seed).iter().copied().filter(is_alike);
+    let first: Vec<u32> = std::iter::once(seed as u32).chain(near).collect();
+    if first.len() <= LINKED {
+        return None;
+    }
     let mut members = first.clone();
     let mut before: Vec<Primitive> = Vec::new();
     let mut stable = 0;
@@ -143,8 +171,9 @@ pub(super) fn grow(cloud: &Cloud, seed: usize, u: &Noise, walk: &mut Walk) -> Op
         let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
         let primitive = best(&sample, &before)?.primitive;
         let most = 2 * members.len() + NEAREST;
-        let taken = walk.reach(cloud, &first, most, |i| cost(&primitive, cloud.points[i], cloud.normals[i], u) < CAP);
-        if taken.len() < NEAREST / 2 {
+        let takes = |i: usize| free(i) && cost(&primitive, cloud.points[i], cloud.normals[i], u) < most_of(i);
+        let taken = walk.reach(cloud, &first, most, takes);
+        if 2 * taken.len() < first.len() {
             return None;
         }
         let settled = taken.len() < most && taken.len().abs_diff(members.len()) <= members.len() / 50;
@@ -156,4 +185,34 @@ pub(super) fn grow(cloud: &Cloud, seed: usize, u: &Noise, walk: &mut Walk) -> Op
         }
     }
     before.pop().map(|primitive| (primitive, members))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_numeric::draws::EffectDraws;
+
+    /// A tenth of a groove, begun at the ring that has the groove's axis for its tube.
+    #[test]
+    fn a_piece_of_a_groove_is_fitted_by_its_own_ring_whichever_it_begins_with() {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let groove = Primitive { kind: PartKind::Torus, origin: [0.0; 3], axes, sizes: [10.0, 1.5, 0.0], side: -1.0 };
+        let draws = EffectDraws::new(3, "groove");
+        let contact = |k: u32| {
+            let mut off = [0.0; 1];
+            draws.gaussians(0, u64::from(k), 1, &mut off);
+            let [u, v] = [f64::from(k % 25) / 40.0 - 0.3, f64::from(k / 25) / 5.0 - 0.9];
+            let out = [-v.cos() * u.cos(), -v.cos() * u.sin(), v.sin()];
+            let tube = 1.5 + 0.01 * off[0];
+            let place = [10.0 * u.cos() + tube * out[0], 10.0 * u.sin() + tube * out[1], tube * out[2]];
+            (place, out.map(|c| -c))
+        };
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..250).map(contact).unzip();
+        let sample = Sample { points: &points, normals: &normals, u_distance: 0.01, u_normal: 0.02 };
+        let dual = groove.dual_ring([8.5, 0.0, 0.0]).unwrap();
+        let alone = descend(&dual, &sample).unwrap().primitive;
+        assert!(alone.sizes[1] > 3.0, "{alone:?}");
+        let found = descended(PartKind::Torus, &sample, &[dual], extent(&points)).unwrap().primitive;
+        assert!((found.sizes[0] - 10.0).abs() < 0.3 && (found.sizes[1] - 1.5).abs() < 0.02, "{found:?}");
+    }
 }

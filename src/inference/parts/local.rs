@@ -8,7 +8,7 @@
 //!
 //! Where an edge or a joint runs through the neighbourhood, the misfit is large: that is how regions know where not to begin.
 
-use super::cloud::Cloud;
+use super::cloud::{Cloud, LINKED, NEAREST};
 use palpate_geometry::curvature::{Derivatives, Principal};
 use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
 use palpate_numeric::statistics::{self, Rank};
@@ -34,6 +34,16 @@ pub(super) struct Noise {
     pub(super) normal: f64,
 }
 
+impl Noise {
+    /// Not less than one and not more than another; where these contradict, the former.
+    pub(super) fn between(&self, least: &Noise, most: &Noise) -> Noise {
+        Noise {
+            distance: self.distance.min(most.distance).max(least.distance),
+            normal: self.normal.min(most.normal).max(least.normal),
+        }
+    }
+}
+
 /// The surface at one point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocalShape {
@@ -45,31 +55,52 @@ pub(super) struct LocalShape {
     pub(super) variance: [f64; 2],
 }
 
-/// The noise that most neighbourhoods show, and the surface at every point.
-pub(super) fn local_shapes(cloud: &Cloud) -> (Noise, Vec<LocalShape>) {
+/// A neighbourhood, and the degrees of freedom that it leaves to heights and to normals.
+struct Width {
+    nearest: usize,
+    freedom: [f64; 2],
+}
+
+/// The widths at which noise is looked for. Where contacts are few, the wider one reaches round a handle, and the narrower one does not.
+const WIDTHS: [Width; 2] =
+    [Width { nearest: LINKED, freedom: [5.0, 15.0] }, Width { nearest: NEAREST, freedom: [16.0, 36.0] }];
+
+/// Points of which noise is known well enough: to a hundredth.
+const ASKED: usize = 8192;
+
+/// The noise that most neighbourhoods show, the narrow ones and the wide ones, and the surface at every point.
+pub(super) fn local_shapes(cloud: &Cloud) -> ([Noise; 2], Vec<LocalShape>) {
+    let widths = WIDTHS.map(|width| noise_at(cloud, &width));
+    let [_, wide] = widths;
+    (widths, threads::map(cloud.len(), 64, |i| local_shape(cloud, i, NEAREST, &wide)))
+}
+
+/// The noise that most neighbourhoods of one width show.
+fn noise_at(cloud: &Cloud, width: &Width) -> Noise {
     // the ratio of the two noises decides little: any start of the right size finds it in two rounds
     let mut noise = Noise { distance: 0.1 * cloud.spacing, normal: 0.05 };
-    let mut shapes = Vec::new();
+    let asked = cloud.len().min(ASKED);
     for _ in 0..3 {
-        shapes = threads::map(cloud.len(), 64, |i| local_shape(cloud, i, &noise));
+        let at = |k: usize| local_shape(cloud, k * cloud.len() / asked, width.nearest, &noise).variance;
+        let variances = threads::map(asked, 64, at);
         let quantile = |block: usize| {
-            let values: Vec<f64> = shapes.iter().map(|s: &LocalShape| s.variance[block]).collect();
+            let values: Vec<f64> = variances.iter().map(|v: &[f64; 2]| v[block]).collect();
             let value = statistics::quantile(values, SMOOTH, Rank::Floor).unwrap_or(0.0);
             // Wilson and Hilferty: the quantile of a mean of so many squares
-            let freedom = [16.0, 36.0][block];
-            let share: f64 = 2.0 / (9.0 * freedom);
+            let share: f64 = 2.0 / (9.0 * width.freedom[block]);
             (value / (1.0 - share + SMOOTH_GAUSSIAN * share.sqrt()).powi(3)).sqrt()
         };
         noise = Noise { distance: quantile(0).max(ROUNDING), normal: quantile(1).max(ROUNDING) };
     }
-    (noise, shapes)
+    noise
 }
 
-fn local_shape(cloud: &Cloud, i: usize, noise: &Noise) -> LocalShape {
+fn local_shape(cloud: &Cloud, i: usize, nearest: usize, noise: &Noise) -> LocalShape {
     let axes = axes_along(cloud.normals[i]);
     let length = cloud.spacing;
-    let mut rows: Vec<([f64; 6], f64, usize)> = Vec::with_capacity(3 * cloud.near(i).len() + 3);
-    for &j in std::iter::once(&(i as u32)).chain(cloud.near(i)) {
+    let near = &cloud.near(i)[..nearest];
+    let mut rows: Vec<([f64; 6], f64, usize)> = Vec::with_capacity(3 * near.len() + 3);
+    for &j in std::iter::once(&(i as u32)).chain(near) {
         let offset = minus(cloud.points[j as usize], cloud.points[i]);
         let [x, y, z] = axes.map(|axis| dot(axis, offset) / length);
         let [nx, ny, nz] = axes.map(|axis| dot(axis, cloud.normals[j as usize]));

@@ -31,12 +31,15 @@ mod cloud;
 mod correlated_noise;
 mod correlated_noise_merge;
 mod error;
+mod estimated;
 mod evaluation;
 mod evidence;
 mod exact;
 mod free_form;
+mod growth;
 mod hypothesis;
 mod jet;
+mod joining;
 mod joints;
 mod lack_of_fit_uncertainty;
 mod local;
@@ -50,7 +53,14 @@ mod relations;
 mod result;
 mod rival;
 mod scale_selection;
+mod scatter;
+mod settling;
+mod shared_errors;
+mod sheet;
+mod surveyed;
+mod tuning;
 mod unexplained_regions;
+mod waves;
 mod whole;
 
 pub use crate::primitives::placed::PartKind;
@@ -66,26 +76,17 @@ pub use point_shapes::PointShapes;
 #[doc(hidden)]
 pub use relations::{Relation, RelationKind, RelationPrior};
 pub use result::{Part, PartGeometry, PartUncertainty, Parts};
+pub use tuning::PartsTuning;
 
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::neighbours::{Oriented, oriented};
 use palpate_numeric::vector::{Vector, dot, minus, norm, scaled};
 
-use answer::Findings;
+use answer::{Findings, Origin};
 use cloud::{Cloud, FEWEST_POINTS};
-use evidence::Cells;
-use local::{Noise, local_shapes};
-use partition::{Field, Partition, partition};
-
-/// A share of the cloud's size (rms distance from its middle) that a departure must exceed to be a part. Scanners' errors that
-/// many neighbours share are as large; with a third of it, a pipe seen by a depth camera falls into a dozen parts.
-const UNSEEN: f64 = 0.003;
-/// The same in spacings: contacts do not resolve less.
-const UNRESOLVED: f64 = 0.1;
-/// Departures of normals that go with it, in degrees.
-const UNSEEN_DEG: f64 = 1.0;
-/// The same for normals that were estimated from positions: next to an edge they lie between those of both faces.
-const BLURRED_DEG: f64 = 15.0;
+use partition::{Field, NONE, Partition};
+use settling::{given_to_all, partition};
+use surveyed::{LetPass, Surveyed};
 
 impl Parts {
     /// Cuts contacts into parts.
@@ -106,44 +107,80 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
     let mut notes = Vec::new();
     let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
     let estimated = contacts.unit_normal(0).is_none();
-    let normals = normals(contacts, &points, options, &mut notes)?;
+    let Sided { normals, side_known } = normals(contacts, &points, options, &mut notes)?;
     let cloud = Cloud::new(&points, normals).ok_or(PartsError::NoExtent)?;
-    let (noise, shapes) = local_shapes(&cloud);
-    let tolerance = options.tolerance.map_or((UNRESOLVED * cloud.spacing).max(UNSEEN), |t| t / cloud.scale);
-    let wide = correlated_noise::wide_noise(&cloud, &shapes, &noise);
-    let unseen_deg = if estimated { BLURRED_DEG } else { UNSEEN_DEG };
-    let coarse = Noise { distance: wide.distance.hypot(tolerance), normal: wide.normal.hypot(unseen_deg.to_radians()) };
-    let floor = if estimated { Noise { normal: coarse.normal, ..wide } } else { wide };
-    let pass = Noise { distance: tolerance, normal: unseen_deg.to_radians() };
-    let field =
-        Field { cloud: &cloud, shapes: &shapes, noise: &floor, coarse: &coarse, pass, cells: Cells::new(&cloud) };
-    let mut whole = whole::whole(&cloud, !estimated, &coarse);
-    whole.iter_mut().for_each(|whole| whole.simplify(&field));
-    let (found, is_whole) = of_whole_or_cut(whole, &field);
-    let (cloud, shapes, cells) = (&cloud, shapes.as_slice(), &field.cells);
-    let measured = !estimated;
-    Ok(Findings { cloud, shapes, noise, coarse, tolerance, cells, measured, is_whole }.parts(found, notes))
+    let pass = LetPass::new(&cloud, options.tolerance, estimated);
+    let tuning = &options.tuning;
+    let all = Surveyed::new(cloud, &pass, tuning);
+    let field = all.field(tuning);
+    let (found, field, origin) = match all.cloud.spread(tuning.decided_on).filter(|_| !field.shared) {
+        None => of_whole_or_cut(!estimated, &field),
+        Some(spread) => of_spread(!estimated, Surveyed::new(spread, &pass, tuning), &field),
+    };
+    let Surveyed { cloud, shapes, noise, cells, .. } = &all;
+    let (coarse, tolerance, limit) = (field.coarse, pass.noise.distance, found.sheet_limit(&field));
+    let (noise, measured) = (*noise, !estimated);
+    Ok(Findings { cloud, shapes, noise, coarse, tolerance, cells, limit, measured, side_known, origin, tuning }
+        .parts(found, notes))
 }
 
-/// The primitives of the whole cloud where they hold nearly all of it, or tell it more shortly than its parts do; and whether it is they.
-fn of_whole_or_cut(whole: Option<Partition>, field: &Field) -> (Partition, bool) {
-    match whole {
-        Some(whole) if whole.holds_nearly_all() => (whole, true),
-        whole => {
-            let cut = cut(field);
-            let length = cut.description_length(field.cloud);
-            let whole = whole.filter(|whole| whole.description_length(field.cloud) < length);
-            whole.map_or((cut, false), |whole| (whole, true))
-        }
+/// What contacts spread over a large cloud are made of, and all of them by that.
+fn of_spread<'a>(measured: bool, spread: Surveyed, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
+    let (found, _, origin) = of_whole_or_cut(measured, &spread.field(field.tuning));
+    let (mut found, field) = given_to_all(found, &spread.cloud, field);
+    if correlated_noise_merge::absorb(&mut found, &field) {
+        found.refit(&field);
     }
+    found.drop_strips(&field);
+    found.drop_strays(&field);
+    (found, field, origin)
 }
 
-fn cut(field: &Field) -> Partition {
-    let mut partition = partition(field);
+/// The primitives of the whole cloud where they tell it more shortly than its parts do; and where they are from. They are asked for where
+/// the parts leave room for doubt; where neighbours share errors first, and are the answer if they hold nearly all.
+fn of_whole_or_cut<'a>(measured: bool, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
+    let whole = || {
+        let mut whole = whole::whole(field.cloud, measured, &field.coarse)?;
+        whole.simplify(field);
+        whole.drop_strips(field);
+        Some(whole)
+    };
+    let first = if field.shared { whole() } else { None };
+    if let Some(whole) = first.as_ref().filter(|whole| whole.holds_nearly_all(field.tuning)) {
+        return (whole.clone(), *field, Origin::Whole);
+    }
+    let (cut, fine) = cut(field);
+    let has_doubt = !measured && cut.parts.len() > 1;
+    if let Some(one) = has_doubt.then(|| whole::one(&cut, field)).flatten() {
+        return (one, *field, Origin::Whole);
+    }
+    if !field.shared && cut.is_beyond_doubt(&fine) {
+        return (cut, fine, Origin::Cut);
+    }
+    if has_doubt && whole::is_free(&cut, field) {
+        return (Partition { parts: Vec::new(), labels: vec![NONE; field.cloud.len()] }, *field, Origin::Free);
+    }
+    let length = cut.description_length(field.cloud);
+    let whole = first.or_else(whole).filter(|whole| whole.description_length(field.cloud) <= length);
+    whole.map_or((cut, fine, Origin::Cut), |whole| (whole, *field, Origin::Whole))
+}
+
+fn cut<'a>(field: &Field<'a>) -> (Partition, Field<'a>) {
+    let (mut partition, field) = partition(field);
+    let field = &field;
     if correlated_noise_merge::absorb(&mut partition, field) {
         partition.refit(field);
     }
-    partition
+    partition.drop_waves(field);
+    partition.drop_strips(field);
+    partition.drop_strays(field);
+    (partition, *field)
+}
+
+/// Unit normals on one side, and whether something tells that it is the free one.
+struct Sided {
+    normals: Vec<Vector>,
+    side_known: bool,
 }
 
 /// Unit normals on one side, from the file or from the positions.
@@ -152,7 +189,7 @@ fn normals(
     points: &[Vector],
     options: &PartsOptions,
     notes: &mut Vec<String>,
-) -> Result<Vec<Vector>, PartsError> {
+) -> Result<Sided, PartsError> {
     let given: Option<Vec<Vector>> = (0..contacts.len()).map(|r| contacts.unit_normal(r)).collect();
     if let Some(normals) = given {
         let Oriented { normals, consistent, flipped: turned, .. } = oriented(points, normals, None);
@@ -165,22 +202,23 @@ fn normals(
                 points.len()
             ));
         }
-        return Ok(normals);
+        return Ok(Sided { normals, side_known: true });
     }
-    let estimated = contacts.with_estimated_normals(options.viewpoint)?;
-    let mut normals: Vec<Vector> = (0..contacts.len()).filter_map(|r| estimated.unit_normal(r)).collect();
-    let mut side = options.viewpoint.map_or("upwards", |_| "towards the viewpoint");
-    if options.viewpoint.is_none() && goes_round(&normals) {
-        side = "outwards";
-        if !points_outwards(points, &normals) {
-            normals.iter_mut().for_each(|n| *n = scaled(-1.0, *n));
-        }
+    let mut normals = estimated::estimated(points, options.viewpoint, &options.tuning);
+    let closes = goes_round(&normals);
+    if options.viewpoint.is_none() && closes && !points_outwards(points, &normals) {
+        normals.iter_mut().for_each(|n| *n = scaled(-1.0, *n));
     }
+    let (side_known, side) = match (options.viewpoint.is_some(), closes) {
+        (true, _) => (true, "towards the viewpoint"),
+        (false, true) => (true, "outwards"),
+        (false, false) => (false, "upwards, though nothing tells which side is free"),
+    };
     notes.push(format!(
         "there are no normals; they were estimated from planes through neighbours and point {side}; a convex and a concave joint \
          change places if that is the wrong side"
     ));
-    Ok(normals)
+    Ok(Sided { normals, side_known })
 }
 
 /// Normals in all directions, as of a closed body.

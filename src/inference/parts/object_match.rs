@@ -292,6 +292,7 @@ mod tests {
                 ..PartUncertainty::default()
             },
             class: None,
+            other_class: None,
             shape_index: None,
             curvedness: 0.0,
             points: 100,

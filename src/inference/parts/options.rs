@@ -1,6 +1,7 @@
 //! What a caller may say of a segmentation.
 
 use super::error::PartsError;
+use super::tuning::PartsTuning;
 
 /// How a cloud is cut into parts. The default suits clouds from simulations and scanners alike.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,6 +12,8 @@ pub struct PartsOptions {
     pub tolerance: Option<f64>,
     /// Where the sensor stood: estimated normals point to it.
     pub viewpoint: Option<[f64; 3]>,
+    /// What decides; the defaults serve a user who names nothing.
+    pub tuning: PartsTuning,
 }
 
 impl PartsOptions {

@@ -10,29 +10,31 @@
 //! H. Isack and Y. Boykov, *Energy-based geometric multi-model fitting*, IJCV 97 (2012) 123. Nothing is drawn at random: seeds
 //! come in the order of their misfit, all labels change at once.
 
-use std::collections::HashSet;
-
 use super::cloud::{Cloud, FEWEST_POINTS, NEAREST};
 use super::evidence::{Cells, Residuals};
-use super::hypothesis::{CAP, Walk, best, cost, descended, extent, grow, sampled};
+use super::hypothesis::{CAP, cost, descended, extent, sampled};
 use super::local::{LocalShape, Noise};
+use super::scatter::PartsScatter;
+use super::sheet::SheetLimit;
+use super::tuning::PartsTuning;
 use crate::primitives::descent::Sample;
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::statistics::{MAD_TO_SD, RAYLEIGH_TO_SD, mad, upper_median};
 use palpate_numeric::threads;
+use palpate_numeric::vector::{minus, norm};
 
 /// What a pair of neighbours with different labels costs. A point with all 8 neighbours on the other side changes sides
 /// unless it costs 6 more there, which noise does once in thirty.
-const AGREE: f64 = 0.7;
+pub(super) const AGREE: f64 = 0.7;
 
 /// Rounds of fitting and relabelling; most clouds settle in five.
-const ROUNDS: usize = 15;
+pub(super) const ROUNDS: usize = 15;
 
 /// Sweeps over all labels in a round.
-const SWEEPS: usize = 4;
+pub(super) const SWEEPS: usize = 4;
 
-/// Points that two parts are judged by when they are to be joined.
-const JUDGED: usize = 200;
+/// Share of a scatter below which another is clearly less.
+const SHARPER: f64 = 0.5;
 
 /// No part.
 pub(super) const NONE: u32 = u32::MAX;
@@ -45,93 +47,31 @@ pub(super) struct Partition {
 }
 
 /// What a partition is made from.
+#[derive(Clone, Copy)]
 pub(super) struct Field<'a> {
     pub(super) cloud: &'a Cloud,
     pub(super) shapes: &'a [LocalShape],
     /// The noise as most places show it.
-    pub(super) noise: &'a Noise,
+    pub(super) noise: Noise,
     /// The noise with what departures from a primitive are let pass.
-    pub(super) coarse: &'a Noise,
+    pub(super) coarse: Noise,
     /// What is let pass.
     pub(super) pass: Noise,
-    pub(super) cells: Cells,
+    /// A departure that contacts do not resolve.
+    pub(super) unresolved: f64,
+    pub(super) cells: &'a Cells,
+    /// Whether neighbours share errors: contacts that stand off then are no others' than those beside them.
+    pub(super) shared: bool,
+    /// Whether normals are those of planes through neighbours.
+    pub(super) blurred: bool,
+    pub(super) tuning: &'a PartsTuning,
 }
 
-/// Cuts the cloud into parts.
-pub(super) fn partition(field: &Field) -> Partition {
-    settled(grown(field.cloud, field.shapes, field.coarse), field)
-}
-
-/// Parts whose edges and sizes follow each other until nothing changes.
-fn settled(mut partition: Partition, field: &Field) -> Partition {
-    let cloud = field.cloud;
-    let mut fine = *field.coarse;
-    for round in 0..ROUNDS {
-        let before = partition.labels.clone();
-        partition.refit(field);
-        if round > 0 {
-            fine = partition.noise(cloud, field.noise);
-        }
-        (0..SWEEPS).for_each(|_| partition.relabel(cloud, &fine));
-        partition.drop_small();
-        let joined = partition.join(field);
-        if !joined && round > 1 && same(&before, &partition.labels) {
-            break;
-        }
+impl Field<'_> {
+    /// Contacts that a primitive is judged by: those that it explains; where neighbours share errors all, since its own stand off, too.
+    pub(super) fn judged(&self, inner: &[u32], primitive: &Primitive) -> Vec<u32> {
+        if self.shared { inner.to_vec() } else { explained(self.cloud, inner, primitive, &self.coarse) }
     }
-    partition.refit(field);
-    partition.sharpen(field);
-    partition
-}
-
-/// All but one point in a thousand have the label that they had.
-fn same(before: &[u32], after: &[u32]) -> bool {
-    1000 * before.iter().zip(after).filter(|(a, b)| a != b).count() <= before.len()
-}
-
-/// Region after region.
-fn grown(cloud: &Cloud, shapes: &[LocalShape], u: &Noise) -> Partition {
-    let misfit = |i: usize| {
-        let [z, n] = shapes[i].variance;
-        z / u.distance.powi(2) + 2.0 * n / u.normal.powi(2)
-    };
-    let mut order: Vec<(f64, u32)> = (0..cloud.len()).map(|i| (misfit(i), i as u32)).collect();
-    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let mut walk = Walk::new(cloud.len());
-    let mut costs = vec![CAP; cloud.len()];
-    let mut tried = vec![false; cloud.len()];
-    let mut labels = vec![NONE; cloud.len()];
-    let mut parts = Vec::new();
-    let rows = (4 * cloud.len()) as f64;
-    for (_, seed) in order {
-        let seed = seed as usize;
-        if tried[seed] || labels[seed] != NONE {
-            continue;
-        }
-        tried[seed] = true;
-        let found = grow(cloud, seed, u, &mut walk).filter(|(_, members)| members.len() >= FEWEST_POINTS);
-        let Some((primitive, members)) = found else {
-            cloud.near(seed).iter().for_each(|&j| tried[j as usize] = true);
-            continue;
-        };
-        let better: Vec<(usize, f64)> = members
-            .iter()
-            .map(|&i| (i as usize, cost(&primitive, cloud.points[i as usize], cloud.normals[i as usize], u)))
-            .filter(|(i, cost)| *cost < costs[*i])
-            .collect();
-        let gain: f64 = better.iter().map(|(i, cost)| costs[*i] - cost).sum();
-        let price = (primitive.kind.free().len() + 1) as f64 * rows.ln();
-        if gain <= price || better.len() < FEWEST_POINTS / 2 {
-            cloud.near(seed).iter().for_each(|&j| tried[j as usize] = true);
-            continue;
-        }
-        for (i, cost) in better {
-            costs[i] = cost;
-            labels[i] = parts.len() as u32;
-        }
-        parts.push(primitive);
-    }
-    Partition { parts, labels }
 }
 
 impl Partition {
@@ -144,11 +84,11 @@ impl Partition {
         members
     }
 
-    /// Those of them whose neighbours all belong to the same part; all of them where these are too few.
+    /// Those of them whose neighbours all belong to the same part or to none; all of them where these are too few.
     pub(super) fn inner(&self, cloud: &Cloud, members: &[u32]) -> Vec<u32> {
         let is_inner = |i: &u32| {
             let own = self.labels[*i as usize];
-            cloud.linked(*i as usize).iter().all(|&j| self.labels[j as usize] == own)
+            cloud.linked(*i as usize).iter().all(|&j| [own, NONE].contains(&self.labels[j as usize]))
         };
         let inner: Vec<u32> = members.iter().copied().filter(is_inner).collect();
         if inner.len() >= FEWEST_POINTS { inner } else { members.to_vec() }
@@ -183,44 +123,52 @@ impl Partition {
 
     /// Fits parts at the noise that they themselves show, as long as that halves it. Until then they are fitted with what is let pass:
     /// normals that were estimated across an edge tilt exact planes. Whose a point beside an edge is, distances alone tell.
-    fn sharpen(&mut self, field: &Field) {
+    pub(super) fn sharpen(&mut self, field: &Field) {
         let cloud = field.cloud;
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let members = self.members();
             let sharper = threads::map(self.parts.len(), 1, |part| {
-                sharper(cloud, &self.inner(cloud, &members[part]), &self.parts[part], field.noise)
+                sharper(cloud, &self.inner(cloud, &members[part]), &self.parts[part], &field.noise)
             });
-            if sharper.iter().all(Option::is_none) {
+            let is_sharp = sharper.iter().all(Option::is_none);
+            if is_sharp && (round > 0 || !self.is_told_by_distances(field)) {
                 break;
             }
             self.replace(sharper);
-            let u = Noise { normal: f64::INFINITY, ..self.noise(cloud, field.noise) };
-            (0..SWEEPS).for_each(|_| self.relabel(cloud, &u));
+            let scatter = self.scatter(field).of_distances();
+            (0..SWEEPS).for_each(|_| self.relabel(cloud, &scatter));
         }
     }
 
-    /// The noise as all parts together show it: medians, since some points are on the wrong side.
-    fn noise(&self, cloud: &Cloud, floor: &Noise) -> Noise {
-        let off: Vec<(f64, f64)> = (0..cloud.len())
-            .filter(|&i| self.labels[i] != NONE)
-            .map(|i| {
-                let (d, normal) = self.parts[self.labels[i] as usize].nearest(cloud.points[i]);
-                (d.abs(), palpate_numeric::vector::norm(palpate_numeric::vector::minus(normal, cloud.normals[i])))
-            })
-            .collect();
-        if off.is_empty() {
-            return *floor;
+    /// Whether normals only blur labels: they are those of planes through neighbours, and contacts lie far nearer than what is let pass.
+    fn is_told_by_distances(&self, field: &Field) -> bool {
+        field.blurred && self.scatter(field).common.distance < SHARPER * field.coarse.distance
+    }
+
+    /// What contacts scatter by, all together and about each part: medians, since some are on the wrong side.
+    pub(super) fn scatter(&self, field: &Field) -> PartsScatter {
+        let mut off: Vec<Vec<[f64; 2]>> = vec![Vec::new(); self.parts.len()];
+        for i in (0..field.cloud.len()).filter(|i| self.labels[*i] != NONE) {
+            let part = self.labels[i] as usize;
+            let (d, normal) = self.parts[part].nearest(field.cloud.points[i]);
+            off[part].push([d.abs(), norm(minus(normal, field.cloud.normals[i]))]);
         }
-        let median = |values: Vec<f64>| upper_median(values).unwrap_or(0.0);
-        Noise {
-            distance: floor.distance.max(MAD_TO_SD * median(off.iter().map(|o| o.0).collect())),
-            normal: floor.normal.max(RAYLEIGH_TO_SD * median(off.iter().map(|o| o.1).collect())),
-        }
+        let floor = &field.noise;
+        let noise_of = |off: &[[f64; 2]]| {
+            let median = |k: usize| upper_median(off.iter().map(|o| o[k]).collect::<Vec<f64>>()).unwrap_or(0.0);
+            let [distance, normal] = [MAD_TO_SD * median(0), RAYLEIGH_TO_SD * median(1)];
+            Noise { distance: floor.distance.max(distance), normal: floor.normal.max(normal) }
+        };
+        let common = noise_of(&off.concat());
+        let own = |off: &Vec<[f64; 2]>| noise_of(off).between(&common, &field.coarse);
+        let own = if field.shared { Vec::new() } else { off.iter().map(own).collect() };
+        PartsScatter { common, own, most_price: field.tuning.most_price * CAP }
     }
 
     /// Every point takes the label of least energy among those of its neighbours, all at once.
-    fn relabel(&mut self, cloud: &Cloud, u: &Noise) {
+    pub(super) fn relabel(&mut self, cloud: &Cloud, scatter: &PartsScatter) {
         let labels = &self.labels;
+        let prices: Vec<f64> = (0..self.parts.len()).map(|part| scatter.price(part)).collect();
         let chosen = threads::map(cloud.len(), 256, |i| {
             let own = labels[i];
             let mut candidates: Vec<u32> = cloud.near(i).iter().map(|&j| labels[j as usize]).collect();
@@ -231,7 +179,11 @@ impl Partition {
                 let differing = cloud.linked(i).iter().filter(|&&j| labels[j as usize] != label).count();
                 let data = match label {
                     NONE => CAP,
-                    part => cost(&self.parts[part as usize], cloud.points[i], cloud.normals[i], u),
+                    part => {
+                        let part = part as usize;
+                        let own = cost(&self.parts[part], cloud.points[i], cloud.normals[i], scatter.of(part));
+                        (own + prices[part]).min(CAP)
+                    }
                 };
                 0.5 * data + AGREE * differing as f64
             };
@@ -242,10 +194,44 @@ impl Partition {
     }
 
     /// Parts with hardly a point go, and their points with them.
-    fn drop_small(&mut self) {
+    pub(super) fn drop_small(&mut self) {
         let mut counts = vec![0_usize; self.parts.len()];
         self.labels.iter().filter(|l| **l != NONE).for_each(|l| counts[*l as usize] += 1);
         self.keep(|part| counts[part] >= FEWEST_POINTS);
+    }
+
+    /// Contacts that their part does not explain are of none: what a camera puts between two faces belongs to neither.
+    pub(super) fn drop_strays(&mut self, field: &Field) {
+        if field.shared {
+            return;
+        }
+        // normals beside an edge lean where they are those of planes through neighbours, and distances alone tell
+        let normal = if field.blurred { f64::INFINITY } else { field.coarse.normal };
+        let (cloud, u) = (field.cloud, &Noise { normal, ..field.coarse });
+        let labels = threads::map(cloud.len(), 256, |i| match self.labels[i] {
+            NONE => NONE,
+            part if cost(&self.parts[part as usize], cloud.points[i], cloud.normals[i], u) < CAP => part,
+            _ => NONE,
+        });
+        self.labels = labels;
+    }
+
+    /// What the contacts of a surface scatter by.
+    pub(super) fn sheet_limit(&self, field: &Field) -> SheetLimit {
+        let beside = Noise { distance: field.unresolved, normal: field.pass.normal };
+        SheetLimit::new(&self.scatter(field).common, &beside, self.fewest_of_region(field), field.tuning)
+    }
+
+    /// Parts whose contacts fill a strip of space go, and their contacts with them.
+    pub(super) fn drop_strips(&mut self, field: &Field) {
+        if field.shared {
+            return;
+        }
+        let limit = self.sheet_limit(field);
+        let members = self.members();
+        let holds = |part: usize| limit.holds_part(field.cloud, &self.labels, &members[part], &self.parts[part]);
+        let kept = threads::map(self.parts.len(), 1, holds);
+        self.keep(|part| kept[part]);
     }
 
     /// Only the parts for which `keeps` holds, numbered anew.
@@ -261,109 +247,47 @@ impl Partition {
         self.parts = kept;
         self.labels.iter_mut().filter(|l| **l != NONE).for_each(|l| *l = number[*l as usize]);
     }
+}
 
-    /// Joins pairs of parts, the one that lowers the energy most first, until none does.
-    fn join(&mut self, field: &Field) -> bool {
-        let mut joined = false;
-        let pairs: Vec<(usize, usize)> = (0..self.parts.len()).flat_map(|b| (0..b).map(move |a| (a, b))).collect();
-        let mut gains = self.gains(field, &pairs);
-        while let Some((_, primitive, (a, b))) = gains.iter().copied().reduce(|x, y| if y.0 > x.0 { y } else { x }) {
-            joined = true;
-            self.parts[a] = primitive;
-            self.labels.iter_mut().filter(|l| **l == b as u32).for_each(|l| *l = a as u32);
-            self.keep(|part| part != b);
-            // numbers beyond b move down by one; what was known of a and b is void
-            gains.retain(|(_, _, (x, y))| ![*x, *y].iter().any(|k| *k == a || *k == b));
-            let moved = |k: usize| if k > b { k - 1 } else { k };
-            gains.iter_mut().for_each(|(_, _, (x, y))| (*x, *y) = (moved(*x), moved(*y)));
-            let others = (0..self.parts.len()).filter(|k| *k != a);
-            let new: Vec<(usize, usize)> = others.map(|k| (a.min(k), a.max(k))).collect();
-            gains.extend(self.gains(field, &new));
-        }
-        joined
-    }
-
-    /// The pairs of which joining lowers the energy, by how much and to which primitive.
-    fn gains(&self, field: &Field, pairs: &[(usize, usize)]) -> Vec<(f64, Primitive, (usize, usize))> {
-        let cloud = field.cloud;
-        let members = self.members();
-        let inner = threads::map(members.len(), 1, |part| self.inner(cloud, &members[part]));
-        let adjacent = self.adjacent(cloud);
-        let judged = threads::map(pairs.len(), 1, |k| {
-            let (a, b) = pairs[k];
-            self.gain_of_joining(field, (a, &inner[a]), (b, &inner[b]), adjacent.contains(&(a as u32, b as u32)))
-        });
-        let found = judged.into_iter().zip(pairs).filter_map(|(found, pair)| found.map(|(gain, p)| (gain, p, *pair)));
-        found.collect()
-    }
-
-    /// Pairs of parts with points next to each other, the smaller number first.
-    fn adjacent(&self, cloud: &Cloud) -> HashSet<(u32, u32)> {
-        let mut pairs = HashSet::new();
-        for i in 0..cloud.len() {
-            for &j in cloud.linked(i) {
-                let (a, b) = (self.labels[i], self.labels[j as usize]);
-                if a != b && a != NONE && b != NONE {
-                    pairs.insert((a.min(b), a.max(b)));
-                }
-            }
-        }
-        pairs
-    }
-
-    /// By how much one primitive beats two, if it does.
-    fn gain_of_joining(
-        &self,
-        field: &Field,
-        (a, of_a): (usize, &[u32]),
-        (b, of_b): (usize, &[u32]),
-        adjacent: bool,
-    ) -> Option<(f64, Primitive)> {
-        let (cloud, u) = (field.cloud, field.coarse);
-        let [one, two] = [self.parts[a], self.parts[b]];
-        let (mut points, mut normals) = sampled(cloud, of_a, JUDGED);
-        let first = points.len();
-        let (more_points, more_normals) = sampled(cloud, of_b, JUDGED);
-        points.extend(more_points);
-        normals.extend(more_normals);
-        let mean = |primitive: &Primitive, from: usize, to: usize| -> f64 {
-            (from..to).map(|k| cost(primitive, points[k], normals[k], u)).sum::<f64>() / (to - from) as f64
-        };
-        // a primitive that explains nothing of the other part, nor the other way round, has nothing to do with it
-        let foreign = if adjacent { 0.98 } else { 0.7 } * CAP;
-        if mean(&one, first, points.len()) > foreign && mean(&two, 0, first) > foreign {
-            return None;
-        }
-        let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
-        let joint = best(&sample, &[one, two])?.primitive;
-        let (mut together, mut apart) = (Residuals::default(), Residuals::default());
-        together.add(cloud, of_a, &joint);
-        together.add(cloud, of_b, &joint);
-        apart.add(cloud, of_a, &one);
-        apart.add(cloud, of_b, &two);
-        let unknowns = |p: &Primitive| p.kind.free().len();
-        let more = (unknowns(&one) + unknowns(&two) + 1).saturating_sub(unknowns(&joint));
-        let lost = together.lose_to(&apart, more, &field.cells, &field.pass);
-        (lost < 0.0).then_some((-lost, joint))
-    }
+/// The points that cost less than the most: a face too small to be a part has its neighbour's label, and a dozen points of a
+/// cone's top turn its half angle by five uncertainties.
+pub(super) fn explained(cloud: &Cloud, inner: &[u32], primitive: &Primitive, coarse: &Noise) -> Vec<u32> {
+    let is_explained = |i: &u32| cost(primitive, cloud.points[*i as usize], cloud.normals[*i as usize], coarse) < CAP;
+    let kept: Vec<u32> = inner.iter().copied().filter(is_explained).collect();
+    if kept.len() >= FEWEST_POINTS { kept } else { inner.to_vec() }
 }
 
 /// The simplest kind that no richer one beats.
 fn chosen(field: &Field, inner: &[u32], before: &Primitive) -> Option<Primitive> {
     /// Points that a part is fitted to while labels still change.
     const FITTED: usize = 1000;
-    let (cloud, u) = (field.cloud, field.coarse);
+    let (cloud, u) = (field.cloud, &field.coarse);
+    let inner = &field.judged(inner, before);
+    let own = if field.shared { 1.0 } else { field.tuning.own };
     let (points, normals) = sampled(cloud, inner, FITTED);
     let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
-    let extent = extent(&points);
+    let loses =
+        |simpler: &Residuals, richer: &Residuals, more| simpler.lose_over(richer, more, field.cells, &field.pass, own);
+    simplest((cloud, inner), &sample, &[*before], loses)
+}
+
+/// The simplest kind for some contacts that `loses` to no richer one that is so many unknowns richer, each begun at the primitives `before`,
+/// too.
+pub(super) fn simplest(
+    (cloud, members): (&Cloud, &[u32]),
+    sample: &Sample,
+    before: &[Primitive],
+    loses: impl Fn(&Residuals, &Residuals, usize) -> f64,
+) -> Option<Primitive> {
+    let extent = extent(sample.points);
     let mut kept: Option<(Primitive, Residuals)> = None;
     for kind in PartKind::EXACT {
-        let Some(found) = descended(kind, &sample, &[*before], extent) else { continue };
+        let Some(found) = descended(kind, sample, before, extent) else { continue };
         let mut residuals = Residuals::default();
-        residuals.add(cloud, inner, &found.primitive);
+        residuals.add(cloud, members, &found.primitive);
         let better = kept.as_ref().is_none_or(|(primitive, simpler)| {
             let more = kind.free().len().saturating_sub(primitive.kind.free().len());
-            simpler.lose_to(&residuals, more, &field.cells, &field.pass) > 0.0
+            loses(simpler, &residuals, more) > 0.0
         });
         if better {
             kept = Some((found.primitive, residuals));
@@ -381,7 +305,7 @@ fn sharper(cloud: &Cloud, inner: &[u32], before: &Primitive, floor: &Noise) -> O
     let explains = |i: &u32| cost(before, cloud.points[*i as usize], cloud.normals[*i as usize], &u) < CAP;
     let explained: Vec<u32> = inner.iter().copied().filter(explains).collect();
     let found = exact(cloud, &explained, before, &u)?.primitive;
-    (scatter(&found) < 0.5 * u.distance).then_some(found)
+    (scatter(&found) < SHARPER * u.distance).then_some(found)
 }
 
 /// The kind of the part fitted once more to all inner points, for the answer.

@@ -281,6 +281,7 @@ mod tests {
             geometry: PartGeometry { point, axis, radius, ..PartGeometry::default() },
             u,
             class: None,
+            other_class: None,
             shape_index: None,
             curvedness: 0.0,
             points: 100,

@@ -62,6 +62,8 @@ pub struct Part {
     pub u: PartUncertainty,
     /// Class by the mean S; `None` where S is undefined and the part no plane.
     pub class: Option<ShapeClass>,
+    /// What it is from the other side, where neither normals nor a viewpoint nor a body that closes tell which is free.
+    pub other_class: Option<ShapeClass>,
     /// Mean S over its contacts; of a plane `None`.
     pub shape_index: Option<f64>,
     /// Mean R over its contacts.

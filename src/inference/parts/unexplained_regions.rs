@@ -7,10 +7,11 @@
 //!
 //! A class's own width is half a bin, so that a region whose S drifts across an edge is not cut by noise.
 
-use super::cloud::{Cloud, FEWEST_POINTS};
+use super::cloud::Cloud;
 use super::hypothesis::Walk;
 use super::local::LocalShape;
 use super::partition::NONE;
+use super::sheet::SheetLimit;
 
 /// As between primitives.
 const AGREE: f64 = 0.7;
@@ -20,7 +21,13 @@ const SWEEPS: usize = 8;
 
 /// Labels the points without a part: regions get numbers from `first` on, and the points of regions that are too small keep
 /// none. Gives back how many regions there are.
-pub(super) fn label_leftover(cloud: &Cloud, shapes: &[LocalShape], labels: &mut [u32], first: u32) -> u32 {
+pub(super) fn label_leftover(
+    cloud: &Cloud,
+    shapes: &[LocalShape],
+    labels: &mut [u32],
+    first: u32,
+    limit: &SheetLimit,
+) -> u32 {
     let left: Vec<usize> = (0..cloud.len()).filter(|&i| labels[i] == NONE).collect();
     let free: Vec<bool> = labels.iter().map(|l| *l == NONE).collect();
     let mut classes: Vec<u8> = vec![0; cloud.len()];
@@ -55,9 +62,11 @@ pub(super) fn label_leftover(cloud: &Cloud, shapes: &[LocalShape], labels: &mut 
             continue;
         }
         let region = walk.reach(cloud, &[i as u32], usize::MAX, |j| labels[j] == NONE && classes[j] == classes[i]);
-        if region.len() >= FEWEST_POINTS {
-            region.iter().for_each(|&j| labels[j as usize] = next);
+        region.iter().for_each(|&j| labels[j as usize] = next);
+        if limit.holds_region(cloud, shapes, labels, &region) {
             next += 1;
+        } else {
+            region.iter().for_each(|&j| labels[j as usize] = NONE);
         }
     }
     next - first

@@ -1,23 +1,31 @@
 //! The whole cloud as one primitive, or as a few: what is one body is one part, however few or noisy its contacts are.
 //!
 //! ```text
-//! primitives by `bodies`, which hold 97 % of the contacts within four sds        the answer
-//! which hold fewer                                                               the answer, if shorter to tell than the cut cloud:
-//! length = sum over parts (n ln rms + unknowns / 2 ln N), contacts of no part 0, in units of the cloud's size
+//! primitives by `bodies`, with the contacts within four sds      the answer, if no longer to tell than the cut cloud:
+//! length = sum over parts (n ln sd + sum min(d^2 / sd^2, CAP) / 2 + unknowns / 2 ln N) + AGREE (pairs of neighbours in different parts)
+//!          sd by the median; contacts of no part 0, lengths in units of the cloud's size
+//! primitives by `bodies` that hold nearly all                    the answer where neighbours share errors
+//! where normals are not measured, and the cut cloud has several parts:
+//! one primitive that holds nearly all, and is as near            the answer, if the parts go over into each other without an edge
+//! a smooth height field                                          the answer, if it is nearer to contacts left out than parts to their own
 //! ```
 //!
 //! A departure that would be shape is no primitive, and an ellipsoid is no part. The length is that of J. Rissanen, *Automatica* 14 (1978)
 //! 465: where contacts lie too far apart for regions to grow, few primitives that hold most of them tell more than one that holds all.
 
 use super::cloud::Cloud;
+use super::evidence::Residuals;
+use super::free_form::predicted;
+use super::hypothesis::{CAP, sampled};
+use super::joints::joints;
 use super::local::Noise;
-use super::partition::{NONE, Partition};
+use super::partition::{AGREE, Field, NONE, Partition, simplest};
+use super::tuning::PartsTuning;
 use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
+use crate::primitives::descent::Sample;
 use crate::primitives::placed::{PartKind, Primitive};
+use palpate_numeric::statistics::{MAD_TO_SD, mad, upper_median};
 use palpate_numeric::vector::{Vector, dot};
-
-/// Share of the contacts that the primitives must hold.
-const WHOLE: f64 = 0.97;
 
 /// Contacts that are looked at.
 const LOOKED_AT: usize = 1000;
@@ -32,10 +40,27 @@ const LOOSE: f64 = 3.0;
 const ROUNDED: f64 = 1e-9;
 
 impl Partition {
-    /// Whether nearly all contacts are in a part.
-    pub(super) fn holds_nearly_all(&self) -> bool {
+    /// Whether contacts lie close beside their noise, and the parts hold nearly all of them: regions then grew as far as faces reach, and what
+    /// the whole shows is known.
+    pub(super) fn is_beyond_doubt(&self, field: &Field) -> bool {
         let held = self.labels.iter().filter(|label| **label != NONE).count() as f64;
-        held >= WHOLE * self.labels.len() as f64
+        let all = self.labels.len();
+        let PartsTuning { held: most, close, .. } = *field.tuning;
+        all > LOOKED_AT && held >= most * all as f64 && field.coarse.distance < close * field.cloud.spacing
+    }
+
+    /// Whether nearly all contacts are in a part.
+    pub(super) fn holds_nearly_all(&self, tuning: &PartsTuning) -> bool {
+        let held = self.labels.iter().filter(|label| **label != NONE).count() as f64;
+        held >= tuning.nearly_all * self.labels.len() as f64
+    }
+
+    /// Whether its parts go over into each other: normals differ, where two of them meet, by no more than each may lean by.
+    fn is_smooth(&self, field: &Field) -> bool {
+        let normal = |part: u32, _, place| self.parts[part as usize].nearest(place).1;
+        let most = (std::f64::consts::SQRT_2 * field.coarse.normal).to_degrees();
+        let joints = joints(field.cloud, &self.labels, normal);
+        joints.len() + 1 >= self.parts.len() && joints.iter().all(|joint| joint.angle_deg < most)
     }
 
     /// Whether nearly all normals point to the free side of their part: two walls that face opposite ways are no one part, however near they
@@ -51,18 +76,20 @@ impl Partition {
 
     /// How long it is to tell, in natural units of information.
     pub(super) fn description_length(&self, cloud: &Cloud) -> f64 {
-        let mut squares = vec![(0.0, 0.0); self.parts.len()];
+        let mut off = vec![Vec::new(); self.parts.len()];
         for (place, label) in cloud.points.iter().zip(&self.labels).filter(|(_, label)| **label != NONE) {
             let part = *label as usize;
-            let (count, sum) = &mut squares[part];
-            (*count, *sum) = (*count + 1.0, *sum + self.parts[part].nearest(*place).0.powi(2));
+            off[part].push(self.parts[part].nearest(*place).0.abs());
         }
         let price = 0.5 * (cloud.len() as f64).ln();
-        let of_part = |(part, (count, sum)): (&Primitive, &(f64, f64))| match *count {
-            0.0 => 0.0,
-            count => count * (sum / count).sqrt().max(ROUNDED).ln() + price * part.kind.free().len() as f64,
+        let of_part = |(part, off): (&Primitive, &Vec<f64>)| {
+            let sd = (MAD_TO_SD * upper_median(off.clone()).unwrap_or(0.0)).max(ROUNDED);
+            let squares: f64 = off.iter().map(|d| (d / sd).powi(2).min(CAP)).sum();
+            off.len() as f64 * sd.ln() + 0.5 * squares + price * part.kind.free().len() as f64
         };
-        self.parts.iter().zip(&squares).map(of_part).sum()
+        let pairs = (0..cloud.len()).flat_map(|i| cloud.linked(i).iter().map(move |j| (i, *j as usize)));
+        let edges = pairs.filter(|(i, j)| self.labels[*i] != self.labels[*j]).count() as f64;
+        self.parts.iter().zip(&off).map(of_part).sum::<f64>() + AGREE * edges
     }
 }
 
@@ -95,6 +122,36 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
     let whole = Partition { parts, labels };
     let stands = !things.is_empty() && (!measured || whole.is_one_sided(cloud, tuning.decisive));
     stands.then_some(whole)
+}
+
+/// One primitive for all contacts, begun at the parts, where it holds nearly all of them, they scatter little about it, and no edge lies
+/// between the parts. Distances alone tell: normals of planes through neighbours tell the same again, and on the wrong side lead astray.
+pub(super) fn one(cut: &Partition, field: &Field) -> Option<Partition> {
+    let (cloud, u) = (field.cloud, &field.coarse);
+    let all: Vec<u32> = (0..cloud.len() as u32).collect();
+    let (points, normals) = sampled(cloud, &all, LOOKED_AT);
+    let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: f64::INFINITY };
+    let blind = Noise { normal: f64::INFINITY, ..field.pass };
+    let loses = |simpler: &Residuals, richer: &Residuals, more| simpler.lose_to_kind(richer, more, field.cells, &blind);
+    let primitive = simplest((cloud, &all), &sample, &cut.parts, loses)?;
+    let off: Vec<f64> = cloud.points.iter().map(|p| primitive.nearest(*p).0).collect();
+    let sd = mad(off.iter().copied());
+    let most = Tuning::default().belongs * sd;
+    let labels: Vec<u32> = off.iter().map(|d| if d.abs() <= most { 0 } else { NONE }).collect();
+    let found = Partition { parts: vec![facing(primitive, 0, &labels, cloud)], labels };
+    let PartsTuning { loose, one_spacings, .. } = *field.tuning;
+    let is_near = sd < one_spacings * cloud.spacing && (sd < loose * u.distance || cut.is_smooth(field));
+    (is_near && found.holds_nearly_all(field.tuning)).then_some(found)
+}
+
+/// Whether the cloud is one smooth surface of no kind rather than these parts: a height field is nearer to contacts that it was not told of
+/// than the parts are to their own.
+pub(super) fn is_free(cut: &Partition, field: &Field) -> bool {
+    let cloud = field.cloud;
+    let held = (0..cloud.len()).filter(|i| cut.labels[*i] != NONE);
+    let off = |i: usize| cut.parts[cut.labels[i] as usize].nearest(cloud.points[i]).0;
+    let (squares, count) = held.fold((0.0, 0.0), |(sum, count), i| (sum + off(i).powi(2), count + 1.0));
+    predicted(cloud, LOOKED_AT).is_some_and(|error| error * error * count < squares)
 }
 
 /// Numbers of the things that a place is near enough to, the nearest first.
@@ -177,5 +234,39 @@ mod tests {
         let bar = of(&places(30, false));
         assert_eq!((bar.len(), bar[0].kind), (1, PartKind::Cylinder));
         assert!((bar[0].geometry.radius.unwrap() - RADIUS).abs() < 1e-6, "{bar:?}");
+    }
+
+    /// Waves of three spacings each way are of no primitive, and were a cone for every crest; two faces with an edge are no waves.
+    #[test]
+    fn waves_without_normals_are_one_smooth_surface_and_faces_are_not() {
+        let lattice = |k: u32| [f64::from(k % 20) * 0.5, f64::from(k / 20) * 0.5];
+        let waves = |k: u32| {
+            let [x, y] = lattice(k);
+            [x, y, x.cos() + y.sin().powi(2)]
+        };
+        let one = of(&(0..400).map(waves).collect::<Vec<Vector>>());
+        assert_eq!((one.len(), one[0].kind, one[0].points), (1, PartKind::Patch, 400));
+        let roof = |k: u32| {
+            let [x, y] = lattice(k);
+            [x, y, -(x - 4.8).abs()]
+        };
+        let kinds: Vec<PartKind> = of(&(0..400).map(roof).collect::<Vec<Vector>>()).iter().map(|p| p.kind).collect();
+        assert_eq!(kinds, [PartKind::Plane; 2]);
+    }
+
+    /// A stem that is not quite round, without normals: what parts there are of it, one cylinder holds as well.
+    #[test]
+    fn a_stem_that_is_not_quite_round_is_one_part() {
+        let draws = EffectDraws::new(22, "stem");
+        let place = |k: u64| {
+            let mut at = [0.0; 14];
+            draws.uniforms(k, 0, 14, &mut at);
+            let turn = std::f64::consts::TAU * at[0];
+            let radius = 0.25 + 0.003 * (3.0 * turn).cos() + 0.002 * (at[2..].iter().sum::<f64>() - 6.0);
+            [radius * turn.cos(), radius * turn.sin(), at[1]]
+        };
+        let stem = of(&(0..2000).map(place).collect::<Vec<Vector>>());
+        assert_eq!((stem.len(), stem[0].kind), (1, PartKind::Cylinder));
+        assert!((stem[0].geometry.radius.unwrap() - 0.25).abs() < 0.002, "{stem:?}");
     }
 }

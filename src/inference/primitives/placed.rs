@@ -9,7 +9,7 @@
 //! of positions and normals need.
 
 use palpate_geometry::primitives::{self, Cone, Cylinder, DistanceJet, Plane, Sphere, Torus, TriaxialEllipsoid};
-use palpate_numeric::vector::{Vector, along, cross, dot, minus, reject, unit};
+use palpate_numeric::vector::{Vector, along, axes_along, cross, dot, minus, reject, unit};
 
 /// What a part is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -156,6 +156,25 @@ impl Primitive {
         same
     }
 
+    /// The ring that has the curvatures of this one beside `p` and the tube where this one has its axis: to second order a saddle is of both,
+    /// and a piece of a groove that is fitted by the wrong one goes on with no other. `None` outside of the inner half.
+    ///
+    /// ```text
+    /// c1 = o + R e       nearest middle of the tube          c2 = c1 - R / (n . e) n       where the normal meets the axis
+    /// o' = c1,  a' = a x e,  R' = |c1 - c2|,  r' = R' - r
+    /// ```
+    pub(crate) fn dual_ring(&self, p: Vector) -> Option<Primitive> {
+        let [ring, tube, _] = self.sizes;
+        let radial = unit(reject(minus(p, self.origin), self.axes[2]));
+        let middle = along(self.origin, ring, radial);
+        let inwards = -dot(unit(minus(p, middle)), radial);
+        let wide = ring / inwards;
+        let is_saddle = self.kind == PartKind::Torus && inwards > 0.0 && wide > tube && wide.is_finite();
+        let sizes = [wide, wide - tube, 0.0];
+        let axes = axes_along(cross(self.axes[2], radial));
+        is_saddle.then_some(Primitive { origin: middle, axes, sizes, side: -self.side, ..*self })
+    }
+
     /// Principal curvatures `k1 >= k2` at a point, the normal towards the free side.
     pub(crate) fn curvatures(&self, p: Vector) -> [f64; 2] {
         let q = self.own(p);
@@ -184,5 +203,31 @@ impl Primitive {
                     least > 0.0 && most < 10.0 * least && most < FAR * extent
                 }
             }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_saddle_is_of_two_rings_of_the_same_curvatures() {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let groove = Primitive { kind: PartKind::Torus, origin: [0.0; 3], axes, sizes: [10.0, 1.5, 0.0], side: -1.0 };
+        let at = |turn: f64| {
+            [(10.0 - 1.5 * turn.cos()) * turn.cos(), (10.0 - 1.5 * turn.cos()) * turn.sin(), 1.5 * turn.sin()]
+        };
+        for place in [at(0.0), at(0.5)] {
+            let dual = groove.dual_ring(place).unwrap();
+            assert!(dual.is_sound(10.0) && dual.sizes[1] > 5.0);
+            let [(d, n), (e, m)] = [groove.nearest(place), dual.nearest(place)];
+            assert!(d.abs() < 1e-12 && e.abs() < 1e-12 && dot(n, m) > 1.0 - 1e-12, "{dual:?}");
+            let [one, two] = [groove.curvatures(place), dual.curvatures(place)];
+            assert!((0..2).all(|k| (one[k] - two[k]).abs() < 1e-12), "{one:?} {two:?}");
+        }
+        let again = groove.dual_ring(at(0.0)).unwrap().dual_ring(at(0.0)).unwrap();
+        assert!((0..2).all(|k| (again.sizes[k] - groove.sizes[k]).abs() < 1e-9), "{again:?}");
+        // outside of the tube's middle the surface is a dome, and no other ring is as near
+        assert_eq!(groove.dual_ring([11.5, 0.0, 0.0]), None);
     }
 }

@@ -105,7 +105,9 @@ fn parts(document: &PartsDocument) -> String {
             let class = part.class.as_deref();
             let looks = class.map_or("-".into(), |class| match like(class) {
                 "" => class.to_string(),
-                like => format!("{class}: {like}"),
+                like => {
+                    part.other_class.as_ref().map_or(format!("{class}: {like}"), |other| format!("{class} or {other}"))
+                }
             });
             let s = part.shape_index.map_or("-".into(), |s| format!("{s:.4}"));
             vec![

@@ -1,0 +1,111 @@
+//! Whether contacts lie on a surface at all: where a depth camera sees an edge, it puts contacts between two faces, or between the body
+//! and what is behind it, and these fill a strip of space.
+//!
+//! ```text
+//! r_i = (d_i - mean of d over the linked contacts of the part) / sqrt(1 + 1/m)      m: how many these are; d: distance from the primitive
+//! a part is a sheet     median |r_i| <= loose hypot(noise of distances, let pass),  normals alike
+//! a region is a sheet   median misfit of the surfaces through neighbours, alike
+//! ```
+//!
+//! A departure from the primitive that neighbours share leaves r alone, so that the fit need not be good. What is no sheet is no part.
+
+use super::cloud::{Cloud, LINKED};
+use super::local::{LocalShape, Noise};
+use super::tuning::PartsTuning;
+use crate::primitives::placed::Primitive;
+use palpate_numeric::statistics::{MAD_TO_SD, RAYLEIGH_TO_SD, upper_median};
+use palpate_numeric::vector::{minus, norm};
+
+/// What the contacts of a sheet may scatter by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SheetLimit {
+    pub(super) noise: Noise,
+    /// Share of their linked neighbours that are among them.
+    coherent: f64,
+    /// Fewest contacts of a region.
+    fewest: usize,
+}
+
+impl SheetLimit {
+    /// From what all contacts scatter by, what is let pass beside it, and how many contacts a region has at least.
+    pub(super) fn new(common: &Noise, beside: &Noise, fewest: usize, tuning: &PartsTuning) -> SheetLimit {
+        let PartsTuning { loose, coherent, .. } = *tuning;
+        let distance = loose * common.distance.hypot(beside.distance);
+        let noise = Noise { distance, normal: loose * common.normal.hypot(beside.normal) };
+        SheetLimit { noise, coherent, fewest }
+    }
+
+    /// Whether the contacts of a part lie on a sheet about its primitive.
+    pub(super) fn holds_part(&self, cloud: &Cloud, labels: &[u32], members: &[u32], primitive: &Primitive) -> bool {
+        let off = |i: u32| primitive.nearest(cloud.points[i as usize]);
+        let roughness = |i: &u32| {
+            let beside = linked_alike(cloud, labels, *i);
+            let (sum, count) = beside.fold((0.0, 0.0), |(sum, count), j| (sum + off(j).0, count + 1.0));
+            let own = off(*i).0;
+            if count > 0.0 { (own - sum / count).abs() / (1.0_f64 + 1.0 / count).sqrt() } else { own.abs() }
+        };
+        let turn = |i: &u32| norm(minus(off(*i).1, cloud.normals[*i as usize]));
+        self.coheres(cloud, labels, members)
+            && MAD_TO_SD * median(members, roughness) <= self.noise.distance
+            && RAYLEIGH_TO_SD * median(members, turn) <= self.noise.normal
+    }
+
+    /// Whether one contact and its neighbours lie on a sheet.
+    pub(super) fn holds_contact(&self, shape: &LocalShape) -> bool {
+        let [distance, normal] = shape.variance;
+        distance <= self.noise.distance.powi(2) && normal <= self.noise.normal.powi(2)
+    }
+
+    /// Whether the contacts of a region lie on a sheet, as the surfaces through their neighbours have it.
+    pub(super) fn holds_region(&self, cloud: &Cloud, shapes: &[LocalShape], labels: &[u32], members: &[u32]) -> bool {
+        members.len() >= self.fewest
+            && self.coheres(cloud, labels, members)
+            && median(members, |i| shapes[*i as usize].variance[0]).sqrt() <= self.noise.distance
+            && median(members, |i| shapes[*i as usize].variance[1]).sqrt() <= self.noise.normal
+    }
+
+    /// Whether these contacts have enough of each other as neighbours.
+    fn coheres(&self, cloud: &Cloud, labels: &[u32], members: &[u32]) -> bool {
+        let alike: usize = members.iter().map(|i| linked_alike(cloud, labels, *i).count()).sum();
+        alike as f64 >= self.coherent * (LINKED * members.len()) as f64
+    }
+}
+
+fn median(members: &[u32], of: impl Fn(&u32) -> f64) -> f64 {
+    upper_median(members.iter().map(of).collect::<Vec<f64>>()).unwrap_or(0.0)
+}
+
+/// The linked contacts of one that have its label.
+fn linked_alike<'a>(cloud: &'a Cloud, labels: &'a [u32], i: u32) -> impl Iterator<Item = u32> + 'a {
+    cloud.linked(i as usize).iter().copied().filter(move |j| labels[*j as usize] == labels[i as usize])
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::parts::{PartKind, Parts, PartsOptions};
+    use palpate_geometry::contact::Contacts;
+    use palpate_numeric::draws::EffectDraws;
+    use palpate_numeric::vector::Vector;
+
+    /// Two faces at a right angle, and contacts between them as a camera puts them: on lines from one face to the other.
+    #[test]
+    fn what_a_camera_puts_between_two_faces_is_no_part() {
+        let draws = EffectDraws::new(8, "strip");
+        let drawn = |k: u64| {
+            let mut at = [0.0; 4];
+            draws.uniforms(k, 0, 4, &mut at);
+            at
+        };
+        let face = |k: u64| {
+            let [s, y, ..] = drawn(k).map(|v| 20.0 * v);
+            if k.is_multiple_of(2) { [-s, y, 0.0] } else { [0.0, y, -s] }
+        };
+        let between = |k: u64| {
+            let [a, b, w, y] = drawn(k);
+            [-2.0 * a * (1.0 - w), 20.0 * y, -2.0 * b * w]
+        };
+        let points: Vec<Vector> = (0..1200).map(face).chain((1200..1270).map(between)).collect();
+        let found = Parts::of(&Contacts::from_points(&points), &PartsOptions::default()).unwrap();
+        assert_eq!(found.parts.iter().map(|part| part.kind).collect::<Vec<_>>(), [PartKind::Plane; 2]);
+    }
+}

@@ -1,0 +1,96 @@
+//! The settings that decide how a cloud is cut, each with its default and where that comes from.
+
+/// What decides how contacts are cut into parts. The defaults serve a user who names nothing.
+///
+/// ```
+/// use palpate_inference::facade::parts::{PartsOptions, PartsTuning};
+///
+/// // a cloud of very many small faces
+/// let fine = PartsOptions { tuning: PartsTuning { decided_on: 50_000, ..PartsTuning::default() }, ..PartsOptions::default() };
+/// assert!(fine.tuning.decided_on > PartsTuning::default().decided_on);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct PartsTuning {
+    /// Contacts on which parts are decided at most. Of larger clouds so many, spread over their surface, are cut into parts, and all
+    /// contacts are then given to these: how many parts there are, more contacts hardly tell.
+    pub decided_on: usize,
+    /// Nearest contacts of a place where no part begins at which none is tried, either. With all 20 neighbours a face few contacts wide is
+    /// never tried at its middle.
+    pub barren: usize,
+    /// Share of what a contact costs in its part, below which a region that grows takes it. With twice of it, what lies off an edge grows
+    /// over faces that are known, again and again, which takes three times as long; with half of it smooth surfaces fall into more pieces.
+    pub steals: f64,
+    /// Cosine from which on two normals may be of one smooth face: 45 degrees.
+    pub parallel: f64,
+    /// How often parts are looked for again among the contacts that none explains.
+    pub again: usize,
+    /// Share of the scatter that neighbourhoods show, below which parts are fitted again by what contacts scatter about them.
+    pub finer: f64,
+    /// Most that a contact costs because its part scatters more than others, over what it costs in no part.
+    pub most_price: f64,
+    /// Share of a part's contacts that its kind is told by, those nearest to it. A twentieth of a scan may be off its edges, which is thrice
+    /// as much of a small face.
+    pub own: f64,
+    /// Scatter over that of all contacts, beyond which these are no sheet, and no primitive's own. Contacts between two faces at a right
+    /// angle scatter by 0.28 spacings; beside noise of a tenth of a spacing and as much let pass, that is twice what is let pass.
+    pub loose: f64,
+    /// Share of the linked neighbours that are of the same part, from which on contacts are a surface: those of a surface two contacts wide
+    /// have a half. What lies between a body and its background is thinner, and its neighbours are of the body.
+    pub coherent: f64,
+    /// Contacts in parts, as a share, that leave no doubt of these: a twentieth may be off every edge, and half as many are beside joints.
+    pub held: f64,
+    /// Scatter in spacings below which neighbours show of what kind a surface is.
+    pub close: f64,
+    /// Scatter of a neighbourhood beside a contact's own, below which its plane takes the place of the contact's own. Two neighbourhoods of
+    /// one smooth face differ less: of 13 contacts with the same noise, one in a thousand.
+    pub flatter: f64,
+    /// Standard deviations by which a contact may be off the plane that it takes.
+    pub near_plane: f64,
+    /// Contacts of a part whose pairs are asked for errors that they share; errors of fewer neighbours than these are apart hardly matter.
+    pub shared_asked: usize,
+    /// Ranges of shared errors that are tried, in spacings.
+    pub shared_ranges: [f64; 8],
+    /// Standard deviations of chance that products of neighbours' residuals must exceed to be shared errors.
+    pub shared_clear: f64,
+    /// Scatter of measured normals about the surface through 20 neighbours over that through 8, from which on neighbours share errors. Where
+    /// errors are independent it is 1.0 to 1.1, and up to 1.3 where contacts are few; of five scans by depth cameras it is 1.39 to 1.58.
+    /// Such a cloud is cut by the noise of wide neighbourhoods, and regions grow over each other freely: its waves are no parts.
+    pub shared_turns: f64,
+    /// Share of the contacts that one primitive must hold to stand for a cloud.
+    pub nearly_all: f64,
+    /// Scatter about that primitive, in spacings, up to which it may stand for a cloud without normals that was cut into several parts.
+    /// Contacts within a spacing of it resolve no second face; scanned stems, bars and balls scatter by up to 0.7, drawn bodies of several
+    /// faces that lie as near have an edge.
+    pub one_spacings: f64,
+    /// Most of what a fit is thought to have taken from residuals that neighbours share.
+    pub shared_taken: f64,
+}
+
+impl Default for PartsTuning {
+    fn default() -> PartsTuning {
+        PartsTuning {
+            decided_on: 12_000,
+            barren: 4,
+            steals: 1.0,
+            parallel: 0.7,
+            again: 3,
+            finer: 0.8,
+            most_price: 0.5,
+            own: 0.85,
+            loose: 1.5,
+            coherent: 0.4,
+            held: 0.92,
+            close: 0.5,
+            flatter: 0.5,
+            near_plane: 2.0,
+            shared_asked: 600,
+            shared_ranges: [1.0, 1.6, 2.5, 4.0, 6.4, 10.0, 16.0, 25.0],
+            shared_clear: 3.0,
+            shared_turns: 1.35,
+            nearly_all: 0.97,
+            one_spacings: 1.0,
+            shared_taken: 0.75,
+        }
+    }
+}
