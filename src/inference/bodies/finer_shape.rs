@@ -42,10 +42,11 @@ impl FinerShape {
             return None;
         }
         let off: Vec<f64> = contacts.iter().map(|p| surface.distance(*p)).collect();
-        let tree = Neighbours::new(contacts);
+        // in space contacts that err alike lie nearer to each other
+        let feet: Vec<Vector> = contacts.iter().map(|p| surface.over(*p).0).collect();
+        let tree = Neighbours::new(&feet);
         let [near, far] = RANKS.map(|rank| {
-            let pair =
-                |i: usize| tree.nearest(contacts[i], rank + 1).last().map(|(square, j)| (i, *j as usize, *square));
+            let pair = |i: usize| tree.nearest(feet[i], rank + 1).last().map(|(square, j)| (i, *j as usize, *square));
             let pairs: Vec<(usize, usize, f64)> = (0..contacts.len()).filter_map(pair).collect();
             let count = pairs.len().max(1) as f64;
             let product = pairs.iter().map(|(i, j, _)| off[*i] * off[*j]).sum::<f64>() / count;

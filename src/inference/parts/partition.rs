@@ -213,7 +213,11 @@ impl Partition {
             part if cost(&self.parts[part as usize], cloud.points[i], cloud.normals[i], u) < CAP => part,
             _ => NONE,
         });
-        self.labels = labels;
+        let mut left = vec![0_usize; self.parts.len()];
+        labels.iter().filter(|label| **label != NONE).for_each(|label| left[*label as usize] += 1);
+        // so few tell no primitive, and which of them stray is not known
+        let is_told = |label: u32| label == NONE || left[label as usize] >= FEWEST_POINTS;
+        self.labels.iter_mut().zip(labels).filter(|(old, _)| is_told(**old)).for_each(|(old, new)| *old = new);
     }
 
     /// What the contacts of a surface scatter by.
