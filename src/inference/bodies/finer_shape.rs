@@ -15,13 +15,13 @@ use palpate_numeric::draws::EffectDraws;
 use palpate_numeric::vector::{Vector, along, axes_along, unit};
 use rand_distr::{Distribution, StandardNormal};
 
-use super::posterior::{DrawnBase, SurfaceReading};
+use super::surface_reading::SurfaceReading;
 
 /// The neighbours of a contact to which pairs are formed: the nearest, and one a few contacts farther.
 const RANKS: [usize; 2] = [1, 6];
 
 /// Contacts from which on such a field is looked for: a correlation of a half is then certain.
-const FEWEST: usize = 40;
+const FEWEST_CONTACTS: usize = 40;
 
 /// Standard deviations of a correlation of chance above which it is one.
 const CERTAIN: f64 = 4.0;
@@ -36,29 +36,27 @@ pub(crate) struct FinerShape {
 }
 
 impl FinerShape {
-    /// `None` where the contacts lie off the surface each for itself.
-    pub(crate) fn beside(surface: &DrawnBase, contacts: &[Vector]) -> Option<FinerShape> {
-        if contacts.len() < FEWEST {
+    /// Of the distances of contacts from the surface, and their feet on it: in space contacts that err alike lie nearer to each other. `None`
+    /// where they lie off it each for itself.
+    pub(crate) fn beside(off: &[f64], feet: &[Vector]) -> Option<FinerShape> {
+        if feet.len() < FEWEST_CONTACTS {
             return None;
         }
-        let off: Vec<f64> = contacts.iter().map(|p| surface.distance(*p)).collect();
-        // in space contacts that err alike lie nearer to each other
-        let feet: Vec<Vector> = contacts.iter().map(|p| surface.over(*p).0).collect();
-        let tree = Neighbours::new(&feet);
+        let tree = Neighbours::new(feet);
         let [near, far] = RANKS.map(|rank| {
             let pair = |i: usize| tree.nearest(feet[i], rank + 1).last().map(|(square, j)| (i, *j as usize, *square));
-            let pairs: Vec<(usize, usize, f64)> = (0..contacts.len()).filter_map(pair).collect();
+            let pairs: Vec<(usize, usize, f64)> = (0..feet.len()).filter_map(pair).collect();
             let count = pairs.len().max(1) as f64;
             let product = pairs.iter().map(|(i, j, _)| off[*i] * off[*j]).sum::<f64>() / count;
             (product, pairs.iter().map(|(.., square)| square).sum::<f64>() / count)
         });
         let square = off.iter().map(|r| r * r).sum::<f64>() / off.len() as f64;
         // two contacts that are next to each other make one pair twice
-        if near.0 <= CERTAIN * square * (2.0 / contacts.len() as f64).sqrt() {
+        if near.0 <= CERTAIN * square * (2.0 / feet.len() as f64).sqrt() {
             return None;
         }
         // where the farther pairs have no correlation left, it ends between both
-        let least = (1.0 / (contacts.len() as f64).sqrt()).min(0.5) * near.0;
+        let least = (1.0 / (feet.len() as f64).sqrt()).min(0.5) * near.0;
         let fall = (near.0 / far.0.max(least)).ln().max(f64::MIN_POSITIVE);
         let length = ((far.1 - near.1) / (2.0 * fall)).sqrt();
         let height = (near.0 * (0.5 * near.1 / (length * length)).exp()).min(square).sqrt();
@@ -90,14 +88,11 @@ impl FinerShape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::primitives::placed::{PartKind, Primitive};
 
     const LENGTH: f64 = 0.2;
 
-    /// A plane, and contacts on waves of many directions beside it, whose correlation is gaussian.
-    fn plane_and_contacts(height: f64, noise: f64) -> (DrawnBase, Vec<Vector>) {
-        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let plane = Primitive { kind: PartKind::Plane, origin: [0.0; 3], axes, sizes: [0.0; 3], side: 1.0 };
+    /// Of contacts on waves of many directions beside a plane, whose correlation is gaussian.
+    fn beside_a_plane(height: f64, noise: f64) -> Option<FinerShape> {
         let mut generator = EffectDraws::new(12, "waves").generator(0, 0);
         let mut gaussian = || -> f64 { StandardNormal.sample(&mut generator) };
         let waves: Vec<[f64; 3]> =
@@ -105,19 +100,18 @@ mod tests {
         let contacts = (0..900).map(|k| {
             let [x, y] = [k % 30, k / 30].map(|v| 0.07 * f64::from(v) + 0.01 * gaussian());
             let sum: f64 = waves.iter().map(|[a, b, phase]| (a * x + b * y + phase).cos()).sum();
-            [x, y, height * sum * (2.0 / waves.len() as f64).sqrt() + noise * gaussian()]
+            (height * sum * (2.0 / waves.len() as f64).sqrt() + noise * gaussian(), [x, y, 0.0])
         });
-        (DrawnBase::of_primitive(plane), contacts.collect())
+        let (off, feet): (Vec<f64>, Vec<Vector>) = contacts.unzip();
+        FinerShape::beside(&off, &feet)
     }
 
     #[test]
     fn waves_beside_a_surface_are_found_and_noise_is_none() {
-        let (plane, contacts) = plane_and_contacts(0.03, 0.01);
-        let found = FinerShape::beside(&plane, &contacts).unwrap();
+        let found = beside_a_plane(0.03, 0.01).unwrap();
         assert!((0.8..1.25).contains(&(found.height / 0.03)), "{found:?}");
         assert!((0.75..1.3).contains(&(found.length / LENGTH)), "{found:?}");
-        let (plane, contacts) = plane_and_contacts(0.0, 0.02);
-        assert_eq!(FinerShape::beside(&plane, &contacts), None);
+        assert_eq!(beside_a_plane(0.0, 0.02), None);
     }
 
     #[test]

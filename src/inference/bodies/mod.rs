@@ -36,6 +36,7 @@ mod prior;
 mod rows;
 mod sample;
 mod search;
+mod surface_reading;
 mod symmetry;
 #[cfg(test)]
 mod symmetry_tests;
@@ -47,7 +48,6 @@ pub(crate) use body_hypothesis::BodyHypothesis;
 pub(crate) use body_posterior::BodyPosterior;
 pub(crate) use chart::BodyChart;
 pub(crate) use coordinates::Symmetry;
-pub(crate) use finer_shape::FinerShape;
 pub(crate) use inference::{Verdict, infer, infer_primitives};
 pub(crate) use other_things::{Thing, is_simple, scatter};
 pub(crate) use posterior::{DrawnBase, PosteriorSpread, draws as drawn, spread};

@@ -15,6 +15,7 @@ use super::coordinates::{DepartureJet, DepartureOver, Symmetry};
 use super::departure::DepartureProcess;
 use super::finer_shape::FinerShape;
 use super::mode::is_possible;
+use super::surface_reading::SurfaceReading;
 use super::tuning::Tuning;
 use crate::dense;
 use crate::primitives::placed::Primitive;
@@ -125,6 +126,13 @@ impl DrawnBase {
         self.primitive.side * jet.value / dot(jet.gradient, jet.gradient).max(FLAT).sqrt()
     }
 
+    /// The shape that contacts show beside it.
+    pub(crate) fn finer_shape(&self, contacts: &[Vector]) -> Option<FinerShape> {
+        let off: Vec<f64> = contacts.iter().map(|p| self.distance(*p)).collect();
+        let feet: Vec<Vector> = contacts.iter().map(|p| self.over(*p).0).collect();
+        FinerShape::beside(&off, &feet)
+    }
+
     /// Whether it departs from its primitive.
     pub(crate) fn departs(&self) -> bool {
         self.departure.is_some()
@@ -179,17 +187,6 @@ impl DrawnBase {
             curvatures: [k.max(l), k.min(l)],
         }
     }
-}
-
-/// What a drawn surface says about a place.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SurfaceReading {
-    /// Signed distance, positive on the free side.
-    pub(crate) distance: f64,
-    /// Normal at its foot, towards the free side.
-    pub(crate) normal: Vector,
-    /// Principal curvatures there, `k1 >= k2`.
-    pub(crate) curvatures: [f64; 2],
 }
 
 /// Draws of all kinds by their weights.

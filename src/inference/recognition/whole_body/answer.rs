@@ -11,8 +11,8 @@ use super::exchanged_axes::agreeing_order;
 use super::kept_draws::{is_flat, kept_draws};
 use super::predicted_touches::predicted_over;
 use crate::bodies::{
-    BodyChart, BodyHypothesis, BodyPosterior, BodySample, DrawnBase, FinerShape, PosteriorSpread, Symmetry, drawn,
-    is_simple, spread,
+    BodyChart, BodyHypothesis, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Symmetry, drawn, is_simple,
+    spread,
 };
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::recognition::contacts::Observations;
@@ -173,7 +173,7 @@ impl BodyAnswer<'_> {
             Some(node) => DrawnBase::likeliest(primitive, node),
             None => DrawnBase::of_primitive(primitive),
         };
-        let finer = if self.posterior.is_free { FinerShape::beside(&surface, &members) } else { None };
+        let finer = if self.posterior.is_free { surface.finer_shape(&members) } else { None };
         draws.iter_mut().zip(0..).for_each(|(d, number)| d.finer = finer.map(|finer| (finer, number)));
         let chart_surface = if self.posterior.is_free { surface.clone() } else { DrawnBase::of_primitive(primitive) };
         let chart = BodyChart::new(self.sample.frame, surface, &members, draws.clone(), &self.options.tuning);
