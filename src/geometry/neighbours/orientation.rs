@@ -40,8 +40,9 @@ const TOLD_APART: f64 = 0.02;
 /// signs at random make as many.
 const SLIPS: f64 = 0.1;
 
-/// Share of nearest neighbours that are parallel, below which the normals are no normals of a surface. Random directions have 0.3.
-const CONSISTENT: f64 = 0.5;
+/// Share of nearest neighbours that are parallel, and mean |cosine| between them: below both the normals are no normals of a surface. Random
+/// directions have 0.3 and 0.5, the faces of a block with many edges more of the first, few contacts of a ball more of the second.
+const CONSISTENT: [f64; 2] = [0.5, 0.7];
 
 /// Share of the file's own signs below which a note says that they are mixed.
 const MAJORITY: f64 = 0.6;
@@ -229,7 +230,9 @@ fn neighbours_parallel(tree: &Neighbours, points: &[Vector], normals: &[Vector])
     let known = |i: usize| normals[i] != [0.0; 3];
     let pairs = (0..points.len()).filter(|&i| known(i)).filter_map(|i| Some((i, tree.nearest_other(i)?.1)));
     let cosines: Vec<f64> = pairs.filter(|&(_, j)| known(j)).map(|(i, j)| dot(normals[i], normals[j]).abs()).collect();
-    cosines.iter().filter(|cosine| **cosine > PARALLEL).count() as f64 >= CONSISTENT * cosines.len() as f64
+    let parallel = cosines.iter().filter(|cosine| **cosine > PARALLEL).count() as f64;
+    let [share, mean] = CONSISTENT.map(|least| least * cosines.len() as f64);
+    parallel >= share || cosines.iter().sum::<f64>() > mean
 }
 
 fn reach(
