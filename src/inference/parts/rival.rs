@@ -19,6 +19,9 @@ use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::statistics::mad;
 use palpate_numeric::vector::Vector;
 
+/// Scatter in units of the contacts' size within which a surface is exact: six digits of text, or 32-bit numbers.
+const ROUNDED: f64 = 1e-6;
+
 impl Parts {
     /// The parts of contacts, where these tell them better than one surface from which they lie at `distances`; input units.
     ///
@@ -26,11 +29,13 @@ impl Parts {
     pub fn instead_of(distances: &[f64], contacts: &Contacts, options: &PartsOptions) -> Option<Parts> {
         let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
         let tuning = Tuning::default();
-        if distances.len() != points.len() || !leaves_a_pattern(distances, &points, &tuning) {
+        let size = size(&points);
+        let is_exact = mad(distances.iter().copied()) <= ROUNDED * size;
+        if distances.len() != points.len() || is_exact || !leaves_a_pattern(distances, &points, &tuning) {
             return None;
         }
         let found = Parts::of(contacts, options).ok()?;
-        is_likelier(&found, distances, size(&points), &tuning).then_some(found)
+        is_likelier(&found, distances, size, &tuning).then_some(found)
     }
 }
 
