@@ -72,30 +72,32 @@ impl Oriented {
 
 /// Orients unit normals of a file, zero where unknown, at their points.
 pub fn oriented(points: &[Vector], normals: Vec<Vector>, viewpoint: Option<Vector>) -> Oriented {
-    let mean = mean_of(&normals);
-    let agreed = normals.iter().all(|n| *n == [0.0; 3] || dot(*n, mean) > AGREED * norm(mean));
-    with_signs(points, normals, viewpoint, |tree, normals| {
-        if !agreed {
-            correct_signs(tree, points, normals);
+    with_signs(points, normals, viewpoint, |normals| {
+        let mean = mean_of(normals);
+        if normals.iter().all(|n| *n == [0.0; 3] || dot(*n, mean) > AGREED * norm(mean)) {
+            return true;
         }
-        agreed
+        let tree = Neighbours::new(points);
+        correct_signs(&tree, points, normals);
+        neighbours_parallel(&tree, points, normals)
     })
 }
 
 /// Orients unit normals whose signs mean nothing.
 pub fn oriented_anew(points: &[Vector], normals: Vec<Vector>, viewpoint: Option<Vector>) -> Oriented {
-    with_signs(points, normals, viewpoint, |tree, normals| {
-        spread_signs(tree, points, normals);
-        false
+    with_signs(points, normals, viewpoint, |normals| {
+        let tree = Neighbours::new(points);
+        spread_signs(&tree, points, normals);
+        neighbours_parallel(&tree, points, normals)
     })
 }
 
-/// `correct` makes normals agree, and says whether they did before.
+/// `correct` makes normals agree, and says whether they are those of a surface.
 fn with_signs(
     points: &[Vector],
     mut normals: Vec<Vector>,
     viewpoint: Option<Vector>,
-    correct: impl FnOnce(&Neighbours, &mut [Vector]) -> bool,
+    correct: impl FnOnce(&mut [Vector]) -> bool,
 ) -> Oriented {
     let of_length_zero = normals.iter().filter(|n| **n == [0.0; 3]).count();
     let known = normals.len() - of_length_zero;
@@ -103,9 +105,7 @@ fn with_signs(
         return Oriented { normals, of_length_zero, ..Oriented::default() };
     }
     let before = normals.clone();
-    let tree = Neighbours::new(points);
-    let consistent = neighbours_parallel(&tree, points, &normals);
-    let consistent = correct(&tree, &mut normals) || consistent;
+    let consistent = correct(&mut normals);
     let kept = normals.iter().zip(&before).filter(|(new, old)| **new != [0.0; 3] && new == old).count();
     let facing = viewpoint.map(|eye| points.iter().zip(&normals).map(|(p, n)| dot(*n, minus(eye, *p))).sum::<f64>());
     let reversed = facing.map_or(2 * kept < known, |sum| sum < 0.0);

@@ -84,6 +84,12 @@ pub(crate) fn scatter(things: &[Thing]) -> f64 {
     (things.iter().map(|thing| thing.contacts as f64 * thing.scatter.powi(2)).sum::<f64>() / count).sqrt()
 }
 
+/// What unknowns of a surface cost in log evidence, `u ln(sqrt(n) / s)`: Schwarz's with a prior as wide as the contacts (G. Schwarz,
+/// *Ann. Statist.* 6 (1978) 461), whose scatter is in units of their size.
+pub(crate) fn price_of_unknowns(unknowns: f64, contacts: f64, scatter: f64) -> f64 {
+    unknowns * (contacts.sqrt() / scatter).ln()
+}
+
 /// Log evidence of one smooth surface of any shape over the primitive next to all contacts, the best of its lengths and sizes.
 fn of_smooth(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> f64 {
     let Some(base) = next_to_all(known.iter()) else { return f64::NEG_INFINITY };

@@ -33,9 +33,6 @@ pub(super) const ROUNDS: usize = 15;
 /// Sweeps over all labels in a round.
 pub(super) const SWEEPS: usize = 4;
 
-/// Share of a scatter below which another is clearly less.
-const SHARPER: f64 = 0.5;
-
 /// No part.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -128,7 +125,7 @@ impl Partition {
         for round in 0..ROUNDS {
             let members = self.members();
             let sharper = threads::map(self.parts.len(), 1, |part| {
-                sharper(cloud, &self.inner(cloud, &members[part]), &self.parts[part], &field.noise)
+                sharper(&self.inner(cloud, &members[part]), &self.parts[part], field)
             });
             let is_sharp = sharper.iter().all(Option::is_none);
             if is_sharp && (round > 0 || !self.is_told_by_distances(field)) {
@@ -142,7 +139,7 @@ impl Partition {
 
     /// Whether normals only blur labels: they are those of planes through neighbours, and contacts lie far nearer than what is let pass.
     fn is_told_by_distances(&self, field: &Field) -> bool {
-        field.blurred && self.scatter(field).common.distance < SHARPER * field.coarse.distance
+        field.blurred && self.scatter(field).common.distance < field.tuning.sharper * field.coarse.distance
     }
 
     /// What contacts scatter by, all together and about each part: medians, since some are on the wrong side.
@@ -301,7 +298,8 @@ pub(super) fn simplest(
 }
 
 /// The primitive fitted to those of its inner points that their own scatter explains, if half of that scatter goes with it.
-fn sharper(cloud: &Cloud, inner: &[u32], before: &Primitive, floor: &Noise) -> Option<Primitive> {
+fn sharper(inner: &[u32], before: &Primitive, field: &Field) -> Option<Primitive> {
+    let (cloud, floor) = (field.cloud, &field.noise);
     let scatter = |primitive: &Primitive| {
         mad(inner.iter().map(|i| primitive.nearest(cloud.points[*i as usize]).0)).max(floor.distance)
     };
@@ -309,7 +307,7 @@ fn sharper(cloud: &Cloud, inner: &[u32], before: &Primitive, floor: &Noise) -> O
     let explains = |i: &u32| cost(before, cloud.points[*i as usize], cloud.normals[*i as usize], &u) < CAP;
     let explained: Vec<u32> = inner.iter().copied().filter(explains).collect();
     let found = exact(cloud, &explained, before, &u)?.primitive;
-    (scatter(&found) < SHARPER * u.distance).then_some(found)
+    (scatter(&found) < field.tuning.sharper * u.distance).then_some(found)
 }
 
 /// The kind of the part fitted once more to all inner points, for the answer.

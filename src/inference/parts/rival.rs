@@ -8,11 +8,11 @@
 //! told    the primitives are likelier for certain, lie far nearer, and hold nearly all contacts
 //! ```
 //!
-//! The surface is given as many unknowns as the primitives have, since a free form takes what it wants. The price of an unknown is Schwarz's
-//! with a prior as wide as the contacts (G. Schwarz, *Ann. Statist.* 6 (1978) 461).
+//! The surface is given as many unknowns as the primitives have, since a free form takes what it wants.
 
+use super::cloud::framed;
 use super::{Parts, PartsOptions};
-use crate::bodies::Tuning;
+use crate::bodies::{Tuning, price_of_unknowns};
 use crate::primitives::placed::PartKind;
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::neighbours::Neighbours;
@@ -29,7 +29,7 @@ impl Parts {
     pub fn instead_of(distances: &[f64], contacts: &Contacts, options: &PartsOptions) -> Option<Parts> {
         let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
         let tuning = Tuning::default();
-        let size = size(&points);
+        let (_, _, size) = framed(&points)?;
         let is_exact = mad(distances.iter().copied()) <= ROUNDED * size;
         if distances.len() != points.len() || is_exact || !leaves_a_pattern(distances, &points, &tuning) {
             return None;
@@ -46,14 +46,6 @@ fn leaves_a_pattern(distances: &[f64], points: &[Vector], tuning: &Tuning) -> bo
     mad(pairs) / 2.0_f64.sqrt() < tuning.sharper * mad(distances.iter().copied())
 }
 
-/// Root mean square distance of the contacts from their middle.
-fn size(points: &[Vector]) -> f64 {
-    let count = points.len() as f64;
-    let mean = points.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k] / count));
-    let square: f64 = points.iter().map(|p| (0..3).map(|k| (p[k] - mean[k]).powi(2)).sum::<f64>()).sum();
-    (square / count).sqrt()
-}
-
 /// One of several groups of contacts that are told by a surface of their own.
 struct ContactGroup {
     contacts: f64,
@@ -64,7 +56,7 @@ struct ContactGroup {
 
 impl ContactGroup {
     fn log_probability(&self) -> f64 {
-        -self.contacts * self.scatter.ln() - self.unknowns * (self.contacts.sqrt() / self.scatter).ln()
+        -self.contacts * self.scatter.ln() - price_of_unknowns(self.unknowns, self.contacts, self.scatter)
     }
 }
 

@@ -9,12 +9,15 @@
 //!
 //! A departure from the primitive that neighbours share leaves r alone, so that the fit need not be good. What is no sheet is no part.
 
-use super::cloud::{Cloud, LINKED};
+use super::cloud::Cloud;
 use super::local::{LocalShape, Noise};
 use super::tuning::PartsTuning;
 use crate::primitives::placed::Primitive;
 use palpate_numeric::statistics::{MAD_TO_SD, RAYLEIGH_TO_SD, upper_median};
-use palpate_numeric::vector::{minus, norm};
+use palpate_numeric::vector::{dot, minus, norm};
+
+/// Cosine between the normals of two neighbours below which they are on two walls, back to back: within 45 degrees of it.
+const OPPOSITE: f64 = -0.7;
 
 /// What the contacts of a sheet may scatter by.
 #[derive(Clone, Copy, Debug)]
@@ -64,10 +67,14 @@ impl SheetLimit {
             && median(members, |i| shapes[*i as usize].variance[1]).sqrt() <= self.noise.normal
     }
 
-    /// Whether these contacts have enough of each other as neighbours.
+    /// Whether these contacts have enough of each other as neighbours. What faces the opposite way is another wall, however near it is.
     fn coheres(&self, cloud: &Cloud, labels: &[u32], members: &[u32]) -> bool {
+        let facing = |i: &u32| {
+            let normal = cloud.normals[*i as usize];
+            cloud.linked(*i as usize).iter().filter(|j| dot(normal, cloud.normals[**j as usize]) > OPPOSITE).count()
+        };
         let alike: usize = members.iter().map(|i| linked_alike(cloud, labels, *i).count()).sum();
-        alike as f64 >= self.coherent * (LINKED * members.len()) as f64
+        alike as f64 >= self.coherent * members.iter().map(facing).sum::<usize>() as f64
     }
 }
 
@@ -107,5 +114,26 @@ mod tests {
         let points: Vec<Vector> = (0..1200).map(face).chain((1200..1270).map(between)).collect();
         let found = Parts::of(&Contacts::from_points(&points), &PartsOptions::default()).unwrap();
         assert_eq!(found.parts.iter().map(|part| part.kind).collect::<Vec<_>>(), [PartKind::Plane; 2]);
+    }
+
+    /// A pipe whose wall is a third as thick as its contacts are apart: half of the neighbours of each are on the other wall.
+    #[test]
+    fn both_walls_of_a_thin_pipe_are_parts() {
+        let draws = EffectDraws::new(9, "pipe");
+        let contact = |k: u64| -> (Vector, Vector) {
+            let mut at = [0.0; 2];
+            draws.uniforms(k, 0, 2, &mut at);
+            let (sin, cos) = (std::f64::consts::TAU * at[0]).sin_cos();
+            let (radius, side) = if k.is_multiple_of(2) { (2.5, 1.0) } else { (2.2, -1.0) };
+            ([radius * cos, radius * sin, 60.0 * at[1]], [side * cos, side * sin, 0.0])
+        };
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..2000).map(contact).unzip();
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        let found = Parts::of(&contacts, &PartsOptions::default()).unwrap();
+        let told: Vec<(PartKind, bool, usize)> =
+            found.parts.iter().map(|part| (part.kind, part.hollow, part.points)).collect();
+        assert_eq!(told.len(), 2, "{told:?}");
+        assert!(told.iter().all(|(kind, _, points)| *kind == PartKind::Cylinder && *points > 900), "{told:?}");
+        assert!(told[0].1 != told[1].1, "{told:?}");
     }
 }

@@ -57,6 +57,8 @@ pub struct PartsTuning {
     /// errors are independent it is 1.0 to 1.1, and up to 1.3 where contacts are few; of five scans by depth cameras it is 1.39 to 1.58.
     /// Such a cloud is cut by the noise of wide neighbourhoods, and regions grow over each other freely: its waves are no parts.
     pub shared_turns: f64,
+    /// Share of a scatter below which another is clearly less.
+    pub sharper: f64,
     /// Share of the contacts that one primitive must hold to stand for a cloud.
     pub nearly_all: f64,
     /// Scatter about that primitive, in spacings, up to which it may stand for a cloud without normals that was cut into several parts.
@@ -88,6 +90,7 @@ impl Default for PartsTuning {
             shared_ranges: [1.0, 1.6, 2.5, 4.0, 6.4, 10.0, 16.0, 25.0],
             shared_clear: 3.0,
             shared_turns: 1.35,
+            sharper: 0.5,
             nearly_all: 0.97,
             one_spacings: 1.0,
             shared_taken: 0.75,

@@ -273,13 +273,13 @@ fn is_simpler(posterior: &BodyPosterior, found: &Recognition, sample: &BodySampl
 /// ln p = -n ln s - u ln(sqrt(n) / s)       s: scatter in units of the contacts' size, u: unknowns
 /// ```
 ///
-/// The second term is Schwarz's with a prior as wide as the contacts (G. Schwarz, *Ann. Statist.* 6 (1978) 461). A contact of no thing is
-/// anywhere within the reach, as likely as with the scatter `reach / sqrt(2 pi e)`. A patch with a displacement has as many unknowns as
+/// The second term is [`bodies::price_of_unknowns`]. A contact of no thing is anywhere within the reach, as likely as with the scatter
+/// `reach / sqrt(2 pi e)`. A patch with a displacement has as many unknowns as
 /// it wants, and is given those of the things.
 fn is_as_good(found: &Recognition, sample: &BodySample, things: &[Thing], tuning: &Tuning) -> bool {
     let follows_any = |thing: &Thing| matches!(thing.primitive.kind, PartKind::Torus | PartKind::Ellipsoid);
     let count = sample.len() as f64;
-    let price = |scatter: f64, unknowns: usize| unknowns as f64 * (count.sqrt() / scatter).ln();
+    let price = |scatter: f64, unknowns: usize| bodies::price_of_unknowns(unknowns as f64, count, scatter);
     let unknowns: usize = things.iter().map(|thing| thing.primitive.kind.free().len()).sum();
     let of_patch = if found.hypothesis == Hypothesis::Displaced { unknowns } else { Kind::General.unknowns() };
     let held = things.iter().map(|thing| thing.contacts).sum::<usize>() as f64;
