@@ -10,7 +10,7 @@
 
 use super::cloud::{Cloud, NEAREST};
 use super::hypothesis::{Walk, best, sampled};
-use super::local::{LocalShape, Noise, ROUNDING};
+use super::local::{FACES_AWAY, LocalShape, Noise, ROUNDING};
 use crate::primitives::descent::Sample;
 use palpate_numeric::statistics::{Rank, quantile};
 use palpate_numeric::vector::{dot, minus};
@@ -38,7 +38,9 @@ pub(super) fn wide_noise(cloud: &Cloud, shapes: &[LocalShape], noise: &Noise) ->
     while width <= cloud.len() / WIDEST {
         let mut left: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
         for &place in &places {
-            let members = walk.reach(cloud, &[place as u32], width, |_| true);
+            // the other wall of a pipe is no error that neighbours share
+            let faces = |i: usize| dot(cloud.normals[place], cloud.normals[i]) > FACES_AWAY;
+            let members = walk.reach(cloud, &[place as u32], width, faces);
             let Some([distance, normal]) = residuals(cloud, &members, &widest) else { continue };
             left[0].push(distance);
             left[1].push(normal);

@@ -22,7 +22,7 @@ const SMOOTH: f64 = 0.3;
 const SMOOTH_GAUSSIAN: f64 = -0.5244;
 
 /// Cosine between the normals of two neighbours below which they are on no one sheet.
-const FACES_AWAY: f64 = 0.2;
+pub(super) const FACES_AWAY: f64 = 0.2;
 
 /// Noise below this share of the cloud's size is rounding.
 pub(super) const ROUNDING: f64 = 1e-10;
