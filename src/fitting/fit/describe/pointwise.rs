@@ -1,6 +1,7 @@
 //! Uncertainty of position, normal, S, R, k1 and k2 of a height field point by point: what noise tells of its coefficients.
 
 use super::uncertainty::{above_declared, noise_at_point};
+use crate::fit::linear::equations::Equations;
 use crate::fit::solved::Solved;
 use crate::observation::Data;
 use palpate_geometry::contact::Frame;
@@ -10,9 +11,13 @@ use palpate_geometry::shape::{
 };
 use palpate_geometry::surface::{Jet, Surface};
 use palpate_numeric::bspline::{BasisRow, linspace};
+use palpate_numeric::linalg::{Sites, TensorShape};
 
-/// Rows times functionals beyond which no point is asked: a few seconds of work, where the fit itself took a fraction of one.
+/// Rows times functionals beyond which the rows are assembled once: a few seconds of work, where the fit itself took a fraction of one.
 const MOST_WORK: usize = 200_000_000;
+
+/// Entries of a banded factor times functionals beyond which no point is asked then.
+const MOST_SOLVING: usize = 2_000_000_000;
 
 /// Functionals at a point that the bound above counts: a fit that was asked before must not fall silent.
 const FUNCTIONALS: usize = 8;
@@ -20,16 +25,26 @@ const FUNCTIONALS: usize = 8;
 /// Standard uncertainties at `points` places each way of the patch's domain, the second direction running fastest, input
 /// units; `None` where nothing tells the noise, or where there are too many rows to ask.
 pub(in crate::fit) fn pointwise(solved: &Solved, points: usize) -> Option<Vec<PointSds>> {
-    let work = solved.fitted.equations.count().saturating_mul(FUNCTIONALS * points * points);
-    if work > MOST_WORK {
-        return None;
-    }
+    let equations = &solved.fitted.equations;
+    let functionals = FUNCTIONALS * points * points;
+    let assembled;
+    let equations = if equations.count().saturating_mul(functionals) > MOST_WORK {
+        let TensorShape { basis, degree } = equations.sites.shape();
+        let band = degree[0] * basis[1] + degree[1];
+        if equations.unknowns().saturating_mul(band).saturating_mul(functionals) > MOST_SOLVING {
+            return None;
+        }
+        assembled = equations.clone().assembled_once();
+        &assembled
+    } else {
+        equations
+    };
     let [x, y] = [0, 1].map(|k| {
         let [lo, hi] = solved.patch.knots[k].domain();
         linspace(lo, hi, points)
     });
     let scale = solved.patch.frame.scale;
-    let noisy = Noisy { solved, above: above_declared(solved) };
+    let noisy = Noisy { solved, equations, above: above_declared(solved) };
     let places = x.iter().flat_map(|x| y.iter().map(move |y| [*x, *y]));
     places.map(|at| Some(point_sds(&noisy, at)?.scaled(scale))).collect()
 }
@@ -37,6 +52,7 @@ pub(in crate::fit) fn pointwise(solved: &Solved, points: usize) -> Option<Vec<Po
 /// The fitted height field with what noise makes of it; `above` are the factors by which it is larger than declared.
 struct Noisy<'a> {
     solved: &'a Solved,
+    equations: &'a Equations,
     above: [f64; 2],
 }
 
@@ -54,7 +70,7 @@ impl Noisy<'_> {
         if of_height != 0.0 {
             add_heights(bx, by, of_height, m, &mut out);
         }
-        noise_at_point(self.solved, &out, self.above)
+        noise_at_point(self.solved, self.equations, &out, self.above)
     }
 }
 

@@ -9,6 +9,7 @@
 
 use crate::fit::Robust;
 use crate::fit::describe::interval::NoisePart;
+use crate::fit::linear::equations::Equations;
 use crate::fit::noise::declared::declared_off;
 use crate::fit::noise::sds::NoiseSource;
 use crate::fit::solved::Solved;
@@ -19,17 +20,17 @@ use palpate_numeric::linalg::{Targets, apply_rows};
 
 /// Standard uncertainty of `g'c`.
 pub(super) fn standard_uncertainty(solved: &Solved, gradient: &[f64]) -> f64 {
-    noise_part(solved, gradient, [1.0; 2]).u
+    noise_part(solved, &solved.fitted.equations, gradient, [1.0; 2]).u
 }
 
 /// Standard uncertainty of `g'c` with its degrees of freedom; `above` are factors by which the noise sds are larger than
-/// declared.
-fn noise_part(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> NoisePart {
+/// declared. `equations` are those of the fit, which may be assembled once for many functionals.
+fn noise_part(solved: &Solved, equations: &Equations, gradient: &[f64], above: [f64; 2]) -> NoisePart {
     let fitted = &solved.fitted;
     let mut v = gradient.to_vec();
     fitted.solution.clear_free(&mut v);
     fitted.solution.factor.solve(&mut v);
-    let squares = fitted.equations.row_squares(&v);
+    let squares = equations.row_squares(&v);
     let noise = solved.noise();
     let parts = [0, 1].map(|b| above[b] * above[b] * noise.row_variances[b] * squares[b]);
     NoisePart::new((parts[0] + parts[1]).sqrt(), degrees_of_freedom(parts, noise.dof))
@@ -69,13 +70,17 @@ fn in_place(solved: &Solved, gradient: &[f64]) -> f64 {
 
 /// Of a mean of S or of R; `None` where the measurements leave nothing from which noise could be told.
 pub(super) fn of_mean(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePart> {
-    let part = with_rows_apart(solved, gradient, above)?;
+    of_functional(solved, &solved.fitted.equations, gradient, above)
+}
+
+fn of_functional(solved: &Solved, equations: &Equations, gradient: &[f64], above: [f64; 2]) -> Option<NoisePart> {
+    let part = with_rows_apart(solved, equations, gradient, above)?;
     let factor = in_place(solved, gradient);
     Some(NoisePart { u: factor * part.u, ..part })
 }
 
 /// The same where no rows of a contact share errors.
-fn with_rows_apart(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<NoisePart> {
+fn with_rows_apart(solved: &Solved, equations: &Equations, gradient: &[f64], above: [f64; 2]) -> Option<NoisePart> {
     let fitted = &solved.fitted;
     let source = fitted.noise.source();
     if source != NoiseSource::Sigma && fitted.equations.count() <= fitted.solution.rank {
@@ -88,7 +93,7 @@ fn with_rows_apart(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option
         let [u, dof] = levels.uncertainty(gradient);
         return Some(NoisePart::new(u, dof));
     }
-    let part = noise_part(solved, gradient, above);
+    let part = noise_part(solved, equations, gradient, above);
     let part = match solved.levels().filter(|levels| levels.probability_shared() > 0.0) {
         Some(levels) => {
             let largest = above[0].max(above[1]);
@@ -107,8 +112,8 @@ pub(super) fn above_declared(solved: &Solved) -> [f64; 2] {
 }
 
 /// Standard uncertainty of `g'c` from noise, as the means have it; `above` is [`above_declared`].
-pub(super) fn noise_at_point(solved: &Solved, gradient: &[f64], above: [f64; 2]) -> Option<f64> {
-    of_mean(solved, gradient, above).map(|part| part.u)
+pub(super) fn noise_at_point(solved: &Solved, equations: &Equations, gradient: &[f64], above: [f64; 2]) -> Option<f64> {
+    of_functional(solved, equations, gradient, above).map(|part| part.u)
 }
 
 /// Covariance of the noise in two means, from their gradients: half of what the variance of the sum of both, in units of

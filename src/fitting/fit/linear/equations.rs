@@ -22,6 +22,15 @@ pub struct Equations {
     pub roughness: Option<Roughness>,
     /// Weights and targets of many scattered contacts, packed by knot cells at the first visit.
     packed: OnceLock<Arc<PackedRows>>,
+    /// Where many penalties are tried on the same rows.
+    matrices: Option<Arc<DataMatrices>>,
+}
+
+/// `E'E` of the data rows, and of either kind alone.
+#[derive(Debug)]
+struct DataMatrices {
+    whole: StencilMatrix,
+    of_kinds: [StencilMatrix; 2],
 }
 
 /// The two kinds of rows, whose noise variances are estimated separately.
@@ -48,12 +57,28 @@ pub(crate) fn only(row_weights: &RowWeights, kind: RowKind) -> RowWeights {
 impl Equations {
     /// These rows, not packed yet.
     pub fn new(sites: DataSites, row_weights: RowWeights, targets: Targets, roughness: Option<Roughness>) -> Equations {
-        Equations { sites, row_weights, targets, roughness, packed: OnceLock::new() }
+        Equations { sites, row_weights, targets, roughness, packed: OnceLock::new(), matrices: None }
+    }
+
+    /// The same, with matrices of the data rows that all penalties share: these need not be assembled again for each.
+    pub(crate) fn assembled_once(self) -> Equations {
+        let of_kinds = [RowKind::Heights, RowKind::Slopes].map(|kind| self.data_matrix_of(kind));
+        let whole = data_normal_matrix(&self.sites, &self.row_weights);
+        Equations { matrices: Some(Arc::new(DataMatrices { whole, of_kinds })), ..self }
+    }
+
+    /// `E'E` of the rows of one kind.
+    pub(crate) fn data_matrix_of(&self, kind: RowKind) -> StencilMatrix {
+        match &self.matrices {
+            Some(matrices) => matrices.of_kinds[kind as usize].clone(),
+            None => data_normal_matrix(&self.sites, &only(&self.row_weights, kind)),
+        }
     }
 
     /// The same sites with other rows, written over these ones: rows of a million contacts take 130 MB, and fetching them
     /// anew takes longer than filling them. `fill` gets weights and targets of all sites, whatever they held.
     pub(crate) fn refilled(mut self, fill: impl FnOnce(&mut [SiteWeights], &mut Targets)) -> Equations {
+        self.matrices = None;
         let mut weights = match self.row_weights {
             RowWeights::PerSite(weights) => weights,
             RowWeights::Uniform(one) => {
@@ -89,7 +114,8 @@ impl Equations {
 
     /// `E'E + lambda P`, from Kronecker Grams where a grid's weights allow it.
     pub fn normal_matrix(&self) -> StencilMatrix {
-        let mut matrix = data_normal_matrix(&self.sites, &self.row_weights);
+        let assembled = || data_normal_matrix(&self.sites, &self.row_weights);
+        let mut matrix = self.matrices.as_ref().map_or_else(assembled, |matrices| matrices.whole.clone());
         if let Some(rough) = &self.roughness {
             matrix.add_scaled(rough.lambda, &rough.penalty);
         }
@@ -124,6 +150,9 @@ impl Equations {
 
     /// `|E v|^2` of height rows and of slope rows.
     pub fn row_squares(&self, v: &[f64]) -> [f64; 2] {
+        if let Some(matrices) = &self.matrices {
+            return matrices.of_kinds.each_ref().map(|of_kind| quadratic_form(of_kind, v));
+        }
         if let Some((cells, rows)) = self.packed() {
             return cells.squares(rows, false, v);
         }
@@ -165,6 +194,13 @@ impl Equations {
         }
         out
     }
+}
+
+/// `v'Av`.
+pub(crate) fn quadratic_form(a: &StencilMatrix, v: &[f64]) -> f64 {
+    let mut product = vec![0.0; v.len()];
+    a.multiply(v, &mut product);
+    v.iter().zip(&product).map(|(v, p)| v * p).sum()
 }
 
 /// `E'E` of data rows alone.

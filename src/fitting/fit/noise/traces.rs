@@ -4,7 +4,7 @@
 //! H_b = E_b (E'WE + lambda P)^-1 E_b' W_b          trace H_b = trace (E'WE + lambda P)^-1 E_b' W_b E_b
 //! ```
 
-use crate::fit::linear::equations::{Equations, RowKind, data_normal_matrix, only};
+use crate::fit::linear::equations::{Equations, RowKind};
 use crate::fit::linear::solution::Solution;
 use crate::fit::noise::hutchinson::Signs;
 use palpate_numeric::linalg::StencilMatrix;
@@ -19,12 +19,12 @@ const PROBES: usize = 64;
 
 /// Traces of the hat matrices of height rows and of slope rows.
 pub(crate) fn hat_traces(equations: &Equations, solution: &Solution) -> [f64; 2] {
-    let heights = data_normal_matrix(&equations.sites, &only(&equations.row_weights, RowKind::Heights));
+    let heights = equations.data_matrix_of(RowKind::Heights);
     let of_heights = trace(solution, &heights);
     if equations.roughness.is_none() {
         return [of_heights, solution.rank as f64 - of_heights];
     }
-    let slopes = data_normal_matrix(&equations.sites, &only(&equations.row_weights, RowKind::Slopes));
+    let slopes = equations.data_matrix_of(RowKind::Slopes);
     [of_heights, trace(solution, &slopes)]
 }
 
@@ -103,7 +103,7 @@ mod tests {
             let (equations, solution) = (fit.equations(), fit.solution());
             assert!(!solution.unsupported.is_empty() && equations.unknowns() > UNIT_VECTORS);
             for kind in [RowKind::Heights, RowKind::Slopes] {
-                let b = data_normal_matrix(&equations.sites, &only(&equations.row_weights, kind));
+                let b = equations.data_matrix_of(kind);
                 let out = |u: usize| solution.is_free(u);
                 let expected = by_unit_vectors(&*solution.factor, &b, &out);
                 let exact = trace(solution, &b);

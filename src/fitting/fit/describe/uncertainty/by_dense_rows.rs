@@ -117,7 +117,12 @@ fn the_covariance_of_two_functionals_is_that_of_the_dense_inverse() {
     near(covariance(&fit.solved, [&g, &g]).unwrap(), dot(&g, &solved_by(&rows, &g)));
     assert_eq!(covariance(&fit.solved, [&g, &[0.0; 9]]), None);
     assert_eq!(covariance(&fit.solved, [&[0.0; 9], &g]), None);
-    near(noise_at_point(&fit.solved, &g, [1.0; 2]).unwrap().powi(2), dot(&g, &solved_by(&rows, &g)));
+    // by the rows, and by matrices that were assembled of them
+    let equations = &fit.solved.fitted.equations;
+    for equations in [equations, &equations.clone().assembled_once()] {
+        let found = noise_at_point(&fit.solved, equations, &g, [1.0; 2]).unwrap();
+        near(found * found, dot(&g, &solved_by(&rows, &g)));
+    }
 }
 
 /// Weights that are not inverse sds: variances of the residuals in their place, and degrees of freedom of both together.
@@ -178,7 +183,10 @@ fn errors_in_place_count_by_the_covariance_of_a_contacts_rows() {
         near(factor * factor, shared / apart);
         assert!((factor - 1.0).abs() > 0.01, "{factor}");
         let above = [1.5, 1.0];
-        near(of_mean(&fit.solved, &g, above).unwrap().u, factor * with_rows_apart(&fit.solved, &g, above).unwrap().u);
+        near(
+            of_mean(&fit.solved, &g, above).unwrap().u,
+            factor * with_rows_apart(&fit.solved, &fit.solved.fitted.equations, &g, above).unwrap().u,
+        );
         assert_eq!(in_place(&fit.solved, &[0.0; 9]), 1.0);
         assert_eq!(in_place(&fitted(&contacts, objective).solved, &g), 1.0);
     }
@@ -193,12 +201,15 @@ fn the_uncertainty_comes_from_what_is_known_of_the_noise() {
     let estimated = fitted(&contacts, auto);
     let part = of_mean(&estimated.solved, &g, ones).unwrap();
     assert_eq!([part.u, part.dof], estimated.solved.levels().unwrap().uncertainty(&g));
-    let own = noise_part(&estimated.solved, &g, ones);
+    let own = noise_part(&estimated.solved, &estimated.solved.fitted.equations, &g, ones);
     assert!(own.u != part.u);
     // a robust loss bends the law of the residuals
     let options = FitOptions::default().with_objective(auto).with_robust(Robust::Huber);
     let robust = fit_contacts(&contacts, &options).unwrap();
-    let [found, own] = [of_mean(&robust.solved, &g, ones).unwrap(), noise_part(&robust.solved, &g, ones)];
+    let [found, own] = [
+        of_mean(&robust.solved, &g, ones).unwrap(),
+        noise_part(&robust.solved, &robust.solved.fitted.equations, &g, ones),
+    ];
     assert_eq!([found.u, found.dof], [own.u, own.dof]);
     // named fingers widen a fit with weights and one with declared sds, by the larger of two factors
     let named = Contacts { finger: Some((0..36).map(|r| r / 6).collect()), ..contacts.clone() };
@@ -207,7 +218,7 @@ fn the_uncertainty_comes_from_what_is_known_of_the_noise() {
     {
         let levels = fit.solved.levels().unwrap();
         assert!(levels.probability_shared() > 0.0);
-        let own = noise_part(&fit.solved, &g, above);
+        let own = noise_part(&fit.solved, &fit.solved.fitted.equations, &g, above);
         let expected = levels.beside_independent(&g, [own.u, own.dof], above[0].max(above[1]));
         let part = of_mean(&fit.solved, &g, above).unwrap();
         assert_eq!([part.u, part.dof], expected);

@@ -16,7 +16,7 @@
 
 use crate::fit::Method;
 use crate::fit::linear;
-use crate::fit::linear::equations::Equations;
+use crate::fit::linear::equations::{Equations, quadratic_form};
 use crate::fit::linear::solution::Solution;
 use crate::fit::noise::traces::{hat_traces, inverse_trace, trace};
 use crate::fit::objective::budget::Budget;
@@ -45,7 +45,7 @@ impl RestrictedLikelihood<'_> {
         order: RoughnessOrder,
         budget: &'a Budget,
     ) -> RestrictedLikelihood<'a> {
-        let bare = equations.with_roughness(None);
+        let bare = equations.with_roughness(None).assembled_once();
         let knots = bare.sites.knots();
         let even = match order {
             RoughnessOrder::Second => Roughness::new(1.0, &knots, order),
@@ -73,7 +73,7 @@ impl RestrictedLikelihood<'_> {
         let by_aspect = roughness_matrix(&self.knots, &order.slopes_by_aspect(aspect));
         let of_roughness = log_det_slope(&rough.penalty, &by_aspect)?;
         let (equations, solution) = self.solved(rough)?;
-        let bent = lambda * form(&by_aspect, &solution.coefficients);
+        let bent = lambda * quadratic_form(&by_aspect, &solution.coefficients);
         let of_data =
             rows_left(&equations) * share(bent, cost(&equations, &solution)) + lambda * trace(&solution, &by_aspect);
         let of_prior = 2.0 * aspect.ln() / (SPREAD * SPREAD);
@@ -93,20 +93,14 @@ impl RestrictedLikelihood<'_> {
 fn by_lambda(equations: &Equations, solution: &Solution) -> f64 {
     let Some(Roughness { lambda, penalty, order, .. }) = &equations.roughness else { return 0.0 };
     let used = hat_traces(equations, solution).iter().sum::<f64>() - order.null_dimension() as f64;
-    rows_left(equations) * share(lambda * form(penalty, &solution.coefficients), cost(equations, solution)) - used
-}
-
-/// `c'Qc`.
-fn form(q: &StencilMatrix, c: &[f64]) -> f64 {
-    let mut product = vec![0.0; c.len()];
-    q.multiply(c, &mut product);
-    c.iter().zip(&product).map(|(c, p)| c * p).sum()
+    rows_left(equations) * share(lambda * quadratic_form(penalty, &solution.coefficients), cost(equations, solution))
+        - used
 }
 
 /// `q` at a solution.
 fn cost(equations: &Equations, solution: &Solution) -> f64 {
     let c = &solution.coefficients;
-    let rough = equations.roughness.as_ref().map_or(0.0, |rough| rough.lambda * form(&rough.penalty, c));
+    let rough = equations.roughness.as_ref().map_or(0.0, |rough| rough.lambda * quadratic_form(&rough.penalty, c));
     equations.residual_squares(c).iter().sum::<f64>() + rough
 }
 
