@@ -9,7 +9,7 @@
 //! and no measured normals that follow f:                  f is read as the sensor's systematic error, not as shape
 //! ```
 //!
-//! So read, it is left out of the estimate where the rest is a simple shape, or where f is unlike natural departures. What
+//! So read, it is left out of the estimate where the rest is a simple shape, or where f is unlike natural departures and bodies. What
 //! is neither plane, ball nor cylinder departs from two constant curvatures anyway, and f then is the likelier part of it.
 //!
 //! Below 1/40 a displacement cannot move R by more than some 5 %, so nothing is lost by reading it as shape. A sensor
@@ -196,11 +196,15 @@ fn heard(nodes: &[Node], estimate: &[f64]) -> Vec<f64> {
 }
 
 /// Whether the rest is no simple shape under these weights of plain nodes, and natural departures explain the contacts about as
-/// well as any displacement does that is free in form.
+/// well as any displacement does that is free in form; or a body of a few numbers more explains them best of all, and clearly better than
+/// whatever does not depart.
 fn departs_naturally(nodes: &[Node], plain: &[f64]) -> bool {
     let simple = total(plain, nodes, |n| n.group() == 0);
+    let body = best(nodes, Node::is_body);
+    let rivals = [best(nodes, |n| !n.is_displaced()) + BY_ALL, best(nodes, |n| n.is_displaced() && !n.is_body())];
+    let is_body = rivals.into_iter().all(|rival| body > rival);
     let free = |n: &Node| n.departure.process().is_none_or(is_free);
-    simple < 0.5 && best(nodes, |n| n.is_natural()) > best(nodes, free) - BY_ALL
+    simple < 0.5 && (is_body || best(nodes, Node::is_natural) > best(nodes, free) - BY_ALL)
 }
 
 /// Log likelihood by which the likeliest displaced surface explains the normals better than the likeliest plain one.

@@ -12,6 +12,7 @@
 use std::collections::HashMap;
 
 use super::rounding::Floors;
+use super::scatter_within::ScatterWithin;
 use crate::recognition::kinds::Model;
 use palpate_numeric::statistics::median;
 use palpate_numeric::vector::{Vector, along, cross, dot, reject, scaled, unit};
@@ -74,6 +75,8 @@ pub(crate) struct Cells {
     pub(crate) of: Vec<usize>,
     /// Floors of the errors of a cell.
     pub(crate) floors: Floors,
+    /// How contacts scatter within them.
+    pub(crate) within: ScatterWithin,
 }
 
 impl Cells {
@@ -125,6 +128,7 @@ pub(crate) fn cells(points: &[Vector], feet: &[Vector], surface: &Model, errors:
         feet,
         of,
         floors: Floors::default(),
+        within: ScatterWithin::default(),
     }
 }
 

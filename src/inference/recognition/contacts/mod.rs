@@ -7,7 +7,7 @@
 //!
 //! In the order of the work: `input.rs` checks and sorts, and `frame.rs` finds the frame; places without normals that lie on one conic
 //! tell no bend (`conic.rs`), unless they stand over each other (`upright.rs`). About a first surface, `derived_normals_test.rs` tells
-//! whether the normals are measurements, and `cells.rs` averages. `excluded.rs` counts what was left out. `rounding.rs` says by how
+//! whether the normals are measurements, and `cells.rs` averages; `scatter_within.rs` keeps what means lose. `excluded.rs` counts what was left out. `rounding.rs` says by how
 //! much they err at least.
 
 mod cells;
@@ -17,6 +17,7 @@ mod excluded;
 mod frame;
 mod input;
 mod rounding;
+mod scatter_within;
 mod upright;
 
 pub(crate) use cells::{CellNormals, Cells, cells, is_known};
@@ -27,4 +28,5 @@ pub use excluded::NormalsUse;
 pub(crate) use frame::{patch_frame, spread_beside_a_line};
 pub(crate) use input::{Observations, check_options};
 pub(crate) use rounding::Floors;
+pub(crate) use scatter_within::ScatterWithin;
 pub(crate) use upright::stand_upright;

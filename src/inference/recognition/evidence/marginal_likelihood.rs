@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! whitened y, J, Z;  Z with prior identity is eliminated:  G = I + Z'Z,  H = J'J - J'Z G^-1 Z'J,  x = -H^-1 (J'y - J'Z G^-1 Z'y)
-//! log ev = -(log det Sigma + log det G + RSS + log det(H/2 pi))/2 + log prior(node) + log prior(shape)
+//! log ev = -(log det Sigma + log det G + RSS + log det(H/2 pi) + f log s^2 + S/s^2)/2 + log prior(node) + log prior(shape)
+//! s^2 = (RSS + S)/(n - p + f)      S, f: scatter of contacts within their cells and its degrees of freedom
 //! p(R) = (2/pi)/(1 + R^2)    sphere p(R)/2    cylinder p(R)/(2 sqrt2 pi |k|)    general p(R)/(2 pi^2 R max(|k1 - k2|, its sd))
 //! ```
 //!
@@ -107,7 +108,10 @@ impl<'a> Evidence<'a> {
         let size = self.limit.log_prior(tau)?;
         let system = self.system(kind, white, variance, departure)?;
         let log_det_h = dense::log_det(&system.lower) - p as f64 * (2.0 * PI).ln();
-        let likelihood = -0.5 * (white.log_det + n as f64 * variance.ln() + system.log_det + system.rss + log_det_h);
+        let within = self.cells.within;
+        let of_scatter = within.freedom * variance.ln() + within.square / variance;
+        let of_means = white.log_det + n as f64 * variance.ln() + system.log_det + system.rss + log_det_h;
+        let likelihood = -0.5 * (of_means + of_scatter);
         let log_evidence = likelihood
             + kernel.log_prior
             + size
@@ -123,7 +127,7 @@ impl<'a> Evidence<'a> {
             log_evidence,
             x: system.x,
             precision: system.lower,
-            dof: (self.rows_of_noise() - p as f64).max(1.0),
+            dof: (self.rows_of_noise() + within.freedom - p as f64).max(1.0),
         })
     }
 
@@ -170,15 +174,16 @@ impl<'a> Evidence<'a> {
         // a ring of contacts does not determine a surface without its normals
         let Some(plain) = rss(Departure::None, 0.0) else { return self.joint_variance(kind, white) };
         let plain = plain.max(1e-30);
-        let of = |departure: Departure, natural: f64| {
-            Some((rss(departure, natural)?.max(1e-12 * plain) / (n - p) as f64).max(1e-18))
-        };
+        let within = self.cells.within;
+        let pooled = |rss: f64| (rss + within.square) / ((n - p) as f64 + within.freedom);
+        let of =
+            |departure: Departure, natural: f64| Some(pooled(rss(departure, natural)?.max(1e-12 * plain)).max(1e-18));
         match departure {
-            Departure::None => Some(plain / (n - p) as f64),
+            Departure::None => Some(pooled(plain)),
             Departure::Rough(_) | Departure::Smooth { .. } => of(departure, 0.0),
             Departure::Both(g) => of(departure, of(Departure::Rough(g), 0.0)?.sqrt().recip()),
             Departure::Natural | Departure::Body(_) => {
-                let first = of(departure, (plain / (n - p) as f64).max(1e-18).sqrt().recip())?;
+                let first = of(departure, pooled(plain).max(1e-18).sqrt().recip())?;
                 of(departure, first.sqrt().recip())
             }
         }

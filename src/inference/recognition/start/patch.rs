@@ -7,8 +7,8 @@
 //! Refused are places without normals that lie on one conic, contacts of which more than a quarter are outliers, and contacts that go round more than half a body.
 
 use crate::recognition::contacts::{
-    AGAINST, CellNormals, Cells, Dropped, Floors, NormalsUse, Observations, cells, derived_from_positions, on_conic,
-    patch_frame,
+    AGAINST, CellNormals, Cells, Dropped, Floors, NormalsUse, Observations, ScatterWithin, cells,
+    derived_from_positions, on_conic, patch_frame,
 };
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::{RecognitionError, RecognitionOptions, Remark};
@@ -122,7 +122,8 @@ impl Patch {
         let cells = cells(&self.points, &self.feet, &self.start.general, self.errors.as_deref());
         let contacts = self.points.len() as f64 / cells.points.len() as f64;
         let floors = self.floors.of_means(contacts, self.normals_per_cell(&cells).max(1.0));
-        Cells { floors, ..cells }
+        let within = ScatterWithin::of(&cells.of, [&self.feet, &cells.feet], &cells.tangents, &self.distances);
+        Cells { floors, within, ..cells }
     }
 
     /// All models refitted to the cells, each from its likeliest starts.

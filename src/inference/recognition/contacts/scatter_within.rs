@@ -1,0 +1,129 @@
+//! How contacts scatter within their cells: what the mean of a cell no longer tells of their independent errors.
+//!
+//! ```text
+//! d = a0 + a1 u + a2 v [+ a3 u^2 + a4 u v + a5 v^2] + e       u, v of a contact in its cell, along the two tangents; d its distance
+//! S_3, S_6                                                    sums of squares that planes and quadrics leave in all cells
+//! told    S_3 / f_3 < 2 S_6 / f_6                             cells bend by less than contacts scatter; f: degrees of freedom
+//! ```
+//!
+//! Where a cell bends by more, terms of third degree, which stay, would pass for scatter. An error that neighbours share changes little
+//! within a cell, so that the scatter is that of independent errors, and no shape or shared error may take its place.
+
+use palpate_numeric::linalg::small::solve_leading;
+use palpate_numeric::vector::{Vector, dot, minus};
+
+/// Terms of a plane and of a quadric.
+const TERMS: [usize; 2] = [3, 6];
+
+/// Contacts of a cell from which on a quadric leaves some scatter.
+const FEWEST_IN_CELL: usize = 9;
+
+/// Degrees of freedom from which on the scatter is told: to a twentieth.
+const FEWEST_FREEDOM: f64 = 200.0;
+
+/// Ratio of the variances that planes and quadrics leave up to which cells bend by less than contacts scatter.
+const BENT: f64 = 2.0;
+
+/// What quadrics leave of contacts within their cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct ScatterWithin {
+    /// Sum of squares over the mean number of contacts in a cell: its expectation is `freedom` times the variance of an average cell.
+    pub(crate) square: f64,
+    /// Degrees of freedom; 0 where nothing is told.
+    pub(crate) freedom: f64,
+}
+
+impl ScatterWithin {
+    /// Of contacts with these feet at these distances from a surface near them, in cells with these `middles` and tangents of it there.
+    pub(crate) fn of(
+        cell_of: &[usize],
+        [feet, middles]: [&[Vector]; 2],
+        tangents: &[Vec<Vector>; 2],
+        distances: &[f64],
+    ) -> ScatterWithin {
+        let mut members = vec![Vec::new(); middles.len()];
+        cell_of.iter().enumerate().for_each(|(contact, cell)| members[*cell].push(contact));
+        let (mut squares, mut freedom) = ([0.0; 2], [0.0; 2]);
+        for (cell, members) in members.iter().enumerate().filter(|(_, members)| members.len() >= FEWEST_IN_CELL) {
+            let place = |i: &usize| {
+                let from = minus(feet[*i], middles[cell]);
+                [dot(from, tangents[0][cell]), dot(from, tangents[1][cell]), distances[*i]]
+            };
+            let places: Vec<[f64; 3]> = members.iter().map(place).collect();
+            let left = TERMS.map(|terms| square_left(&places, terms));
+            if let [Some(plane), Some(quadric)] = left {
+                for (k, square) in [plane, quadric].into_iter().enumerate() {
+                    squares[k] += square;
+                    freedom[k] += (members.len() - TERMS[k]) as f64;
+                }
+            }
+        }
+        let [of_planes, of_quadrics] = [0, 1].map(|k| squares[k] / freedom[k]);
+        if freedom[1] < FEWEST_FREEDOM || of_planes >= BENT * of_quadrics {
+            return ScatterWithin::default();
+        }
+        let per_cell = cell_of.len() as f64 / middles.len() as f64;
+        ScatterWithin { square: squares[1] / per_cell, freedom: freedom[1] }
+    }
+}
+
+/// Sum of squares that a polynomial of so many terms leaves; `None` where the places do not tell it.
+fn square_left(places: &[[f64; 3]], terms: usize) -> Option<f64> {
+    let size = places.iter().map(|[u, v, _]| u.hypot(*v)).fold(0.0, f64::max);
+    let row = |[u, v, _]: [f64; 3]| {
+        let (u, v) = (u / size, v / size);
+        [1.0, u, v, u * u, u * v, v * v]
+    };
+    let (mut normal, mut right) = ([[0.0; 6]; 6], [0.0; 6]);
+    for place in places {
+        let row = row(*place);
+        for i in 0..terms {
+            right[i] += row[i] * place[2];
+            (0..=i).for_each(|j| normal[i][j] += row[i] * row[j]);
+        }
+    }
+    let by = solve_leading(normal, right, terms)?;
+    let left = |place: &[f64; 3]| place[2] - (0..terms).map(|i| by[i] * row(*place)[i]).sum::<f64>();
+    let square: f64 = places.iter().map(|place| left(place).powi(2)).sum();
+    square.is_finite().then_some(square)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_numeric::draws::Lcg;
+
+    const COUNT: usize = 4000;
+    const SIDE: usize = 14;
+
+    /// Of contacts over a square of side 2 about z = 0, this high and with this noise, in 14 x 14 cells.
+    fn within(noise: f64, height: impl Fn(f64, f64) -> f64) -> ScatterWithin {
+        let mut generator = Lcg::new(5);
+        let mut place = || {
+            let [x, y] = [0, 1].map(|_| 2.0 * generator.uniform() - 1.0);
+            [x, y, height(x, y) + noise * generator.normal()]
+        };
+        let points: Vec<Vector> = (0..COUNT).map(|_| place()).collect();
+        let feet: Vec<Vector> = points.iter().map(|[x, y, _]| [*x, *y, 0.0]).collect();
+        let distances: Vec<f64> = points.iter().map(|p| p[2]).collect();
+        let number = |v: f64| (0.5 * (v + 1.0) * SIDE as f64) as usize;
+        let cell_of: Vec<usize> = feet.iter().map(|[x, y, _]| number(*x) * SIDE + number(*y)).collect();
+        let middle = |k: usize| (2 * k + 1) as f64 / SIDE as f64 - 1.0;
+        let middles: Vec<Vector> = (0..SIDE * SIDE).map(|k| [middle(k / SIDE), middle(k % SIDE), 0.0]).collect();
+        let tangents = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|t| vec![t; SIDE * SIDE]);
+        ScatterWithin::of(&cell_of, [&feet, &middles], &tangents, &distances)
+    }
+
+    #[test]
+    fn waves_that_are_longer_than_cells_are_no_scatter() {
+        let found = within(0.01, |x, y| 0.1 * (4.0 * x).sin() + 0.05 * y * y);
+        assert!(found.freedom > 2000.0);
+        let sd = (found.square / found.freedom * COUNT as f64 / (SIDE * SIDE) as f64).sqrt();
+        assert!((sd / 0.01 - 1.0).abs() < 0.05, "{sd}");
+    }
+
+    #[test]
+    fn cells_that_bend_more_than_contacts_scatter_tell_nothing() {
+        assert_eq!(within(1e-5, |x, y| 0.1 * (9.0 * x).sin() * (9.0 * y).cos()), ScatterWithin::default());
+    }
+}
