@@ -13,11 +13,11 @@ use std::borrow::Cow;
 
 use crate::io::Input;
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
-use palpate_fitting::fit::{Fit, FitError, FitOptions, Robust};
+use palpate_fitting::fit::{Fit, FitError, FitOptions, Robust, Smooth};
 use palpate_fitting::parametric::FittedSurface;
 use palpate_geometry::contact::{Contacts, Grid, Orientation};
 use palpate_inference::recognition::{
-    FieldRequest, Flexible, Recognition, RecognitionError, RecognitionOptions, Shown, shown,
+    FieldForm, FieldRequest, Flexible, Recognition, RecognitionError, RecognitionOptions, Shown, shown,
 };
 
 use super::adaptive_model::{GRID, adaptive_found};
@@ -205,16 +205,11 @@ fn simple(found: Box<Recognition>) -> Found {
 
 /// A flexible height field, with the simple shape that it takes the place of.
 fn flexible_field(field: Flexible, simple: Option<&Recognition>) -> Found {
-    let segments = field.fit.options().segments;
     let unsaid = 100.0 * field.error / field.relief;
     let mut tried: Vec<TriedPart> = field
         .tried
         .iter()
-        .map(|([n, m], error)| TriedPart {
-            name: format!("height field of {n} x {m} segments"),
-            rms: Some(*error),
-            ..TriedPart::default()
-        })
+        .map(|(form, error)| TriedPart { name: named(form), rms: Some(*error), ..TriedPart::default() })
         .collect();
     tried.extend(simple.iter().flat_map(|found| &found.tried).map(|t| TriedPart {
         name: t.hypothesis.name().into(),
@@ -223,14 +218,16 @@ fn flexible_field(field: Flexible, simple: Option<&Recognition>) -> Found {
         k2: Some(t.k2),
         rms: Some(t.rms),
     }));
+    let options = field.fit.options();
+    let form = FieldForm { segments: options.segments, smoothed: options.smooth != Smooth::None };
     let why = format!(
-        "no simple shape explains the contacts; of the height fields tried, {} x {} segments predict contacts left \
-             out in blocks best (error {unsaid:.1} % of the relief)",
-        segments[0], segments[1]
+        "no simple shape explains the contacts; of the height fields tried, a {} predicts contacts left out in blocks best \
+         (error {unsaid:.1} % of the relief)",
+        named(&form)
     );
     let chosen = ChosenPart {
-        degree: Some(field.fit.options().degree),
-        segments: Some(segments),
+        degree: Some(options.degree),
+        segments: Some(options.segments),
         frame: Some(if field.fit.frame().keeps_axes() { "keep" } else { "auto" }.into()),
         tried,
         ..ChosenPart::new("height", why)
@@ -240,9 +237,15 @@ fn flexible_field(field: Flexible, simple: Option<&Recognition>) -> Found {
         percent_of_relief: Some(unsaid),
         words: "the surface is not one simple shape: S and R change from place to place, see the maps of --out".into(),
     };
-    let note = "the intervals count noise alone, not what more segments would change".to_string();
+    let noise_alone = "the intervals count noise alone, not what more segments would change";
+    let notes = (!form.smoothed).then(|| noise_alone.to_string()).into_iter().collect();
     let answer = Answer::Fitted(FittedSurface::Height(Box::new(field.fit)));
-    Found { answer, chosen: Some(chosen), lack_of_fit: Some(lack), notes: vec![note] }
+    Found { answer, chosen: Some(chosen), lack_of_fit: Some(lack), notes }
+}
+
+fn named(form: &FieldForm) -> String {
+    let [n, m] = form.segments;
+    format!("{}height field of {n} x {m} segments", if form.smoothed { "smoothed " } else { "" })
 }
 
 /// The measured pixels of a grid as contacts.

@@ -55,7 +55,7 @@ pub use free_form::RecognisedSpline;
 pub use crate::bodies::Tuning;
 pub use contacts::NormalsUse;
 pub use error::RecognitionError;
-pub use free_form::{FieldRequest, Flexible, Pointwise, Shown, shown};
+pub use free_form::{FieldForm, FieldRequest, Flexible, Pointwise, Shown, shown};
 pub use free_form::{flexible, own_axes};
 pub use hypothesis::Hypothesis;
 pub use options::RecognitionOptions;

@@ -15,8 +15,7 @@ mod pointwise;
 mod principal_axes;
 mod spline;
 
-pub use cross_validated_spline::Flexible;
-pub use cross_validated_spline::flexible;
+pub use cross_validated_spline::{FieldForm, Flexible, flexible};
 pub use model_selection::{FieldRequest, Shown, shown};
 pub(crate) use named_model_uncertainty::leaves_much_unsaid;
 pub use pointwise::Pointwise;

@@ -4,18 +4,20 @@
 //! unsaid       misfit > 1/4 of the relief, with a pattern (p < 0.01)
 //!              flexible field, where its error at left-out contacts is below half of the simple shape's misfit
 //! no answer    unsaid, no such field, and misfit > 0.1 of the patch's size: more than a sensor errs
+//! averaged     a free surface that follows 400 contacts or more does so by means over at most 200 cells
+//!              flexible field, where it is nearer to left-out contacts than that surface is to those that it follows
 //! ```
 //!
 //! The field lies over axes that rotate with the contacts, so that it does not matter how they were placed. Where it is no
 //! answer there, as on steps that a camera saw from above, the axes of the input are tried.
 
-use crate::recognition::{Recognition, RecognitionError, RecognitionOptions};
+use crate::recognition::{Hypothesis, Recognition, RecognitionError, RecognitionOptions};
 use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::{Contacts, Frame, Orientation};
 use palpate_numeric::statistics::standard_deviation;
 use palpate_numeric::vector::{Vector, dot};
 
-use super::cross_validated_spline::{Flexible, flexible};
+use super::cross_validated_spline::{FieldChoice, Flexible, flexible};
 use super::named_model_uncertainty::leaves_much_unsaid;
 use super::principal_axes::own_axes;
 
@@ -49,6 +51,13 @@ const FOLDED: f64 = 0.45;
 /// misfit.
 const BETTER: f64 = 0.5;
 
+/// Contacts from which on a free surface that follows them is held against a field that follows each of them.
+const AVERAGED_FROM: usize = 400;
+
+/// The field takes its place when its error at left-out contacts is below this share of the surface's misfit at contacts that it follows:
+/// what a surface is off by on the whole need not be a bend.
+const NEARER: f64 = 0.95;
+
 /// What contacts show.
 #[derive(Debug)]
 pub enum Shown {
@@ -80,7 +89,7 @@ pub fn shown(
     request: &FieldRequest,
 ) -> Result<Shown, RecognitionError> {
     match found {
-        Ok(found) if leaves_much_unsaid(&found) => match instead(&found, &contacts(), request) {
+        Ok(found) if leaves_much_unsaid(&found) => match instead(&found, &contacts(), request, BETTER) {
             Some(field) => Ok(Shown::Flexible(Box::new(field), Some(Box::new(found)))),
             None if is_no_answer(&found) => {
                 let strays = found.outliers as f64;
@@ -89,6 +98,12 @@ pub fn shown(
             }
             None => Ok(Shown::Simple(Box::new(found))),
         },
+        Ok(found) if found.hypothesis == Hypothesis::Displaced && found.contacts >= AVERAGED_FROM => {
+            Ok(match instead(&found, &contacts(), request, NEARER) {
+                Some(field) => Shown::Flexible(Box::new(field), Some(Box::new(found))),
+                None => Shown::Simple(Box::new(found)),
+            })
+        }
         Ok(found) => Ok(Shown::Simple(Box::new(found))),
         Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::SeveralThings { .. })) => {
             // pieces of waves are no things: a field is nearer to the contacts that it was not told of than they are to the pieces
@@ -138,21 +153,21 @@ fn is_waves(found: &Recognition) -> bool {
     found.misfit.percent_of_relief > 100.0 * OF_SHAPE && found.misfit.p < CERTAIN && (long || short)
 }
 
-/// A flexible height field that predicts the contacts far better than the simple shape explains them. Both are compared
-/// on the contacts that belong to the simple shape, so that strays decide nothing.
-fn instead(found: &Recognition, contacts: &Contacts, request: &FieldRequest) -> Option<Flexible> {
+/// A flexible height field whose error at left-out contacts is below this share of the misfit of what was found. Both are compared
+/// on the contacts that belong to that, so that strays decide nothing.
+fn instead(found: &Recognition, contacts: &Contacts, request: &FieldRequest, share: f64) -> Option<Flexible> {
     let belonging = found.belonging(contacts);
     let rms = (belonging.iter().map(|(d, _)| d * d).sum::<f64>() / belonging.len().max(1) as f64).sqrt();
     let numbers: Vec<u32> = belonging.iter().map(|(_, r)| *r).collect();
     let those = contacts.in_order(&numbers);
     let up = found.frame.rotate_back([0.0, 0.0, 1.0]);
     request.axes(&those).into_iter().filter(|axes| dot(axes[2], up).abs() >= LEVEL).find_map(|axes| {
-        let field = flexible(&those, axes, request.fit)?.ok()?;
+        let field = FieldChoice::of(&those, axes, request.fit)?;
         // errors are along the axes' z and distances along the surface's normal
-        if dot(axes[2], up).abs() * field.error >= BETTER * rms {
+        if dot(axes[2], up).abs() * field.error >= share * rms {
             return None;
         }
-        if numbers.len() == contacts.len() { Some(field) } else { flexible(contacts, axes, request.fit)?.ok() }
+        field.fitted(contacts, request.fit).ok()
     })
 }
 
