@@ -16,11 +16,15 @@ use crate::bodies::{Tuning, price_of_unknowns};
 use crate::primitives::placed::PartKind;
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::neighbours::Neighbours;
+use palpate_numeric::draws::evenly;
 use palpate_numeric::statistics::mad;
 use palpate_numeric::vector::Vector;
 
 /// Scatter in units of the contacts' size within which a surface is exact: six digits of text, or 32-bit numbers.
 const ROUNDED: f64 = 1e-6;
+
+/// Contacts, evenly among all, that are cut into parts to see whether it is worth it.
+const LOOKED_AT: usize = 10_000;
 
 impl Parts {
     /// The parts of contacts, where these tell them better than one surface from which they lie at `distances`; input units.
@@ -34,8 +38,17 @@ impl Parts {
         if distances.len() != points.len() || is_exact || !leaves_a_pattern(distances, &points, &tuning) {
             return None;
         }
-        let found = Parts::of(contacts, options).ok()?;
-        is_likelier(&found, distances, size, &tuning).then_some(found)
+        let found_of = |members: &[u32]| {
+            let off: Vec<f64> = members.iter().map(|i| distances[*i as usize]).collect();
+            let found = Parts::of(&contacts.in_order(members), options).ok()?;
+            is_likelier(&found, &off, size, &tuning).then_some(found)
+        };
+        // what some of very many contacts do not show, all of them need not be cut for
+        let share = LOOKED_AT as f64 / points.len() as f64;
+        let members: Vec<u32> = (0..points.len() as u32).collect();
+        let some: Vec<u32> = members.iter().copied().filter(|i| evenly(*i as usize) < share).collect();
+        let found = found_of(&some)?;
+        if some.len() == members.len() { Some(found) } else { found_of(&members) }
     }
 }
 
