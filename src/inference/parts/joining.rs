@@ -94,6 +94,7 @@ impl Partition {
         if mean(&one, first, points.len()) > foreign && mean(&two, 0, first) > foreign {
             return None;
         }
+        let [u, pass] = [field.coarse, field.pass].map(|noise| field.told(noise));
         let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
         let joint = best(&sample, &[one, two])?.primitive;
         let (mut together, mut apart) = (Residuals::default(), Residuals::default());
@@ -103,7 +104,7 @@ impl Partition {
         apart.add(cloud, of_b, &two);
         let unknowns = |p: &Primitive| p.kind.free().len();
         let more = (unknowns(&one) + unknowns(&two) + 1).saturating_sub(unknowns(&joint));
-        let lost = together.lose_to(&apart, more, field.cells, &field.pass);
+        let lost = together.lose_to(&apart, more, field.cells, &pass);
         (lost < 0.0).then_some((-lost, joint))
     }
 }
