@@ -66,15 +66,6 @@ impl Partition {
         joints.len() + 1 >= self.parts.len() && joints.iter().all(|joint| joint.angle_deg < most)
     }
 
-    /// Whether nearly all contacts are in parts, and scatter far less about these than about one primitive: two walls of a thin pipe lie within
-    /// a spacing of the pipe between them.
-    fn is_far_nearer(&self, about_one: f64, field: &Field) -> bool {
-        let held = (0..field.cloud.len()).filter(|i| self.labels[*i] != NONE);
-        let off = |i: usize| self.parts[self.labels[i] as usize].nearest(field.cloud.points[i]).0;
-        let is_held = self.holds(field.tuning.held);
-        is_held && mad(held.map(off)) < field.tuning.sharper * about_one
-    }
-
     /// Whether nearly all normals point to the free side of their part: two walls that face opposite ways are no one part, however near they
     /// are to each other.
     fn is_one_sided(&self, cloud: &Cloud, most_against: f64) -> bool {
@@ -154,7 +145,7 @@ pub(super) fn one(cut: &Partition, field: &Field) -> Option<Partition> {
     let found = Partition { parts: vec![facing(primitive, 0, &labels, cloud)], labels };
     let PartsTuning { loose, one_spacings, .. } = *field.tuning;
     let is_near = sd < one_spacings * cloud.spacing && (sd < loose * u.distance || cut.is_smooth(field));
-    (is_near && found.holds_nearly_all(field.tuning) && !cut.is_far_nearer(sd, field)).then_some(found)
+    (is_near && found.holds_nearly_all(field.tuning)).then_some(found)
 }
 
 /// Whether the cloud is one smooth surface of no kind rather than these parts: a height field is nearer to contacts that it was not told of
