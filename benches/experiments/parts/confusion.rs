@@ -9,7 +9,7 @@ use super::bodies::{Form, Random, form};
 use super::scanned::{Scan, Scanned, scanned};
 
 /// The families, one body after another.
-const FAMILIES: [&str; 7] = ["box", "capsule", "cone", "flange", "mug", "pipe", "torus"];
+pub(crate) const FAMILIES: [&str; 7] = ["box", "capsule", "cone", "flange", "mug", "pipe", "torus"];
 
 /// Noise of places, in spacings, with that of normals, in degrees.
 const LEVELS: [(f64, f64); 3] = [(0.1, 3.0), (0.0, 0.0), (1.0, 10.0)];

@@ -5,6 +5,7 @@
 //!     cargo bench --bench parts -- confusion [BODIES [FIRST]] [level=0.1] [least=300] [most=6000] faces found, lost, invented
 //!     cargo bench --bench parts -- intervals [BODIES [FIRST]] how often intervals of sizes and axes hold
 //!     cargo bench --bench parts -- objects [SEEDS [FIRST]]    which of 20 known objects a scan from one side is
+//!     cargo bench --bench parts -- relations [BODIES [FIRST]] how many of the relations that are stated hold
 //!
 //! Seeds from 1,000,001 on were not looked at before the recorded run (`benches/runs/parts.md`).
 
@@ -13,6 +14,7 @@ mod confusion;
 mod free;
 mod intervals;
 mod objects;
+mod relations;
 mod scanned;
 
 use std::collections::BTreeMap;
@@ -61,6 +63,9 @@ fn main() {
     }
     if std::env::args().any(|word| word == "objects") {
         return objects::print(first);
+    }
+    if std::env::args().any(|word| word == "relations") {
+        return relations::print(numbers.first().copied().unwrap_or(140), first);
     }
     let mut confusion: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     let mut errors = Errors::new();

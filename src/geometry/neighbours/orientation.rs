@@ -5,13 +5,15 @@
 //! beside one another   |n_i . n_j| > 0.7, and |h| at most 4 times the median of those whose signs agree
 //! signs of a file      few of these contradict each other: a contact is turned that most of its own contradict
 //!                      many: pieces of contacts beside one another are made one, with the sign of most of its normals in the file
-//! signs at random      spanning tree over the 8 nearest neighbours, least weight 1 - |n_i . n_j| first;  n_j <- sign(n_i . n_j) n_j
+//! signs at random      spanning tree over the 8 nearest neighbours, least weight 1 - |m . n_j| first;  n_j <- sign(m . n_j) n_j
+//!                      m = n_i - 2 (n_i . e) e,  e: direction of the step p_j - p_i
 //! ```
 //!
 //! The two walls of a thin pipe face opposite ways and lie nearer to each other than their contacts. Across an edge the normals are at
 //! right angles and tell nothing of each other. Last, the viewpoint says the side of the whole, where one is given.
 //!
-//! H. Hoppe et al., *Surface reconstruction from unorganized points*, SIGGRAPH 1992, section 3.3.
+//! H. Hoppe et al., *Surface reconstruction from unorganized points*, SIGGRAPH 1992, section 3.3; mirrored steps: S. Koenig and S. Gumhold,
+//! *Consistent propagation of normal orientations in point clouds*, VMV 2009.
 
 use std::collections::{BinaryHeap, VecDeque};
 
@@ -216,12 +218,20 @@ fn spread_signs(tree: &Neighbours, points: &[Vector], normals: &mut [Vector]) {
                 continue;
             }
             visited[to] = true;
-            if dot(normals[from], normals[to]) < 0.0 {
+            if dot(carried(points, normals, from, to), normals[to]) < 0.0 {
                 normals[to] = scaled(-1.0, normals[to]);
             }
             reach(tree, points, normals, to, &visited, &mut heap);
         }
     }
+}
+
+/// The normal that a contact's own leads to at another: its mirror image in the plane halfway between the two, as on a circle through both.
+/// On a flat sheet that is the normal itself; beyond an edge it is that of the other face, and across a thin wall it is turned about.
+fn carried(points: &[Vector], normals: &[Vector], from: usize, to: usize) -> Vector {
+    let step = minus(points[to], points[from]);
+    let square = dot(step, step);
+    if square > 0.0 { along(normals[from], -2.0 * dot(normals[from], step) / square, step) } else { normals[from] }
 }
 
 /// Whether contacts and their nearest neighbours are parallel as on a surface. The tree's own edges are no measure of it: they are chosen
@@ -245,7 +255,7 @@ fn reach(
 ) {
     for (_, to) in tree.nearest(points[from], NEAREST + 1) {
         if !visited[to as usize] {
-            let cosine = dot(normals[from], normals[to as usize]).abs();
+            let cosine = dot(carried(points, normals, from, to as usize), normals[to as usize]).abs();
             heap.push((cosine.to_bits(), from as u32, to));
         }
     }

@@ -70,11 +70,11 @@ impl Findings<'_> {
         let found = |k: usize| exact[k].map_or(partition.parts[k], |e| e.descended.primitive);
         let told = |k: usize| likely(cloud, found(k), &members[k], few[k].as_ref());
         let surface: Vec<Option<Primitive>> = (0..exact.len()).map(told).collect();
-        let normal = |part: u32, i: usize, place: Vector| match surface.get(part as usize) {
-            Some(Some(primitive)) => primitive.nearest(place).1,
-            _ => cloud.normals[i],
+        let beside = |part: u32, i: usize, place: Vector| match surface.get(part as usize) {
+            Some(Some(primitive)) => primitive.nearest(place),
+            _ => (dot(minus(place, cloud.points[i]), cloud.normals[i]), cloud.normals[i]),
         };
-        let mut joints = joints(cloud, &partition.labels, normal);
+        let mut joints = joints(cloud, &partition.labels, self.coarse.distance, beside);
         let is_free_form = is_free_form(&exact);
         let part = |(k, members): (usize, &Vec<u32>)| match (surface.get(k), few.get(k).and_then(Option::as_ref)) {
             (Some(Some(primitive)), few) => {
@@ -107,10 +107,9 @@ impl Findings<'_> {
         labels: impl Iterator<Item = Option<u32>>,
         notes: Vec<String>,
     ) -> Parts {
-        if !self.side_known {
-            let other = |class: &ShapeClass| Some(class.mirrored()).filter(|other| other != class);
-            parts.iter_mut().for_each(|part| part.other_class = part.class.as_ref().and_then(other));
-        }
+        let other = |class: &ShapeClass| Some(class.mirrored()).filter(|other| other != class);
+        let open = parts.iter_mut().filter(|part| !self.side_known || part.other_class.is_some());
+        open.for_each(|part| part.other_class = part.class.as_ref().and_then(other));
         let scale = self.cloud.scale;
         Parts {
             parts,
@@ -153,7 +152,7 @@ impl Findings<'_> {
             geometry: geometry(cloud, primitive),
             u,
             class: Some(class_of(primitive, s)),
-            other_class: None,
+            other_class: self.is_side_doubted(primitive, members).then(|| class_of(primitive, s)),
             shape_index: mean,
             curvedness: r / cloud.scale,
             points: members.len(),
@@ -163,6 +162,15 @@ impl Findings<'_> {
             p: exact.and_then(|e| e.p),
             departure: exact.map_or(0.0, |e| e.departure * cloud.scale),
         }
+    }
+
+    /// Whether many normals of a part point to its other side: signs were carried to it along ways that contradict each other.
+    fn is_side_doubted(&self, primitive: &Primitive, members: &[u32]) -> bool {
+        let against = |i: &&u32| {
+            let (place, normal) = (self.cloud.points[**i as usize], self.cloud.normals[**i as usize]);
+            dot(primitive.nearest(place).1, normal) < 0.0
+        };
+        members.iter().filter(against).count() as f64 > self.tuning.side_doubted * members.len() as f64
     }
 
     /// By what was found of the region as a whole, else by the means over its contacts.
@@ -233,7 +241,11 @@ fn largest_first(parts: &mut [Part], joints: &mut [Joint]) -> Vec<usize> {
 }
 
 /// Mean S and R of a primitive over the places of its contacts, in the cloud's units.
-fn mean_shape<'a>(cloud: &Cloud, primitive: &Primitive, members: impl IntoIterator<Item = &'a u32>) -> [f64; 2] {
+pub(super) fn mean_shape<'a>(
+    cloud: &Cloud,
+    primitive: &Primitive,
+    members: impl IntoIterator<Item = &'a u32>,
+) -> [f64; 2] {
     let (mut s_sum, mut r_sum, mut count) = (0.0, 0.0, 0.0);
     for &i in members {
         let [k1, k2] = primitive.curvatures(cloud.points[i as usize]);
@@ -246,7 +258,7 @@ fn mean_shape<'a>(cloud: &Cloud, primitive: &Primitive, members: impl IntoIterat
 
 /// Distance between the contact that is farthest from the middle and the contact farthest from it: at least half of the largest between
 /// two contacts, and nearly always that.
-fn extent(cloud: &Cloud, members: &[u32]) -> f64 {
+pub(super) fn extent(cloud: &Cloud, members: &[u32]) -> f64 {
     let sum = members.iter().fold([0.0; 3], |sum, &i| along(sum, 1.0, cloud.points[i as usize]));
     let middle = scaled(1.0 / members.len().max(1) as f64, sum);
     let farthest = |from: Vector| {
@@ -258,7 +270,7 @@ fn extent(cloud: &Cloud, members: &[u32]) -> f64 {
 }
 
 /// Class of a primitive of this mean S.
-fn class_of(primitive: &Primitive, shape_index: f64) -> ShapeClass {
+pub(super) fn class_of(primitive: &Primitive, shape_index: f64) -> ShapeClass {
     if primitive.kind == PartKind::Plane { ShapeClass::Plane } else { ShapeClass::of_shape_index(shape_index) }
 }
 
@@ -271,7 +283,7 @@ fn partition_members(labels: &[u32], parts: usize) -> Vec<Vec<u32>> {
 }
 
 /// In the input's units, with directions made unique: the largest component of an axis is positive, a cone widens along its own.
-fn geometry(cloud: &Cloud, primitive: &Primitive) -> PartGeometry {
+pub(super) fn geometry(cloud: &Cloud, primitive: &Primitive) -> PartGeometry {
     let [one, two, _] = primitive.sizes;
     let axis = primitive.axes[2];
     let largest = (0..3).fold(0, |best, k| if axis[k].abs() > axis[best].abs() { k } else { best });

@@ -2,13 +2,12 @@
 //!
 //! ```text
 //! n_i, s_i     least direction of the 13 contacts nearest to contact i, and their sd along it
-//! sign         carried from neighbour to neighbour; towards the viewpoint, contact by contact, where one is given
 //! n_i <- n_j   j nearest to i in s among those of the 13 with s_j < s_i / 2 whose plane passes contact i by less than 2 s_j
+//! sign         carried from neighbour to neighbour; towards the viewpoint, contact by contact, where one is given
 //! ```
 //!
 //! The plane of a neighbourhood that an edge cuts is of neither face, and its scatter is large. That of a neighbour that lies wholly on one
-//! face is small: M. Kuwahara et al., *Processing of RI-angiocardiographic images* (1976) 187, took means so. Signs are carried before,
-//! since normals at right angles tell nothing of each other's.
+//! face is small: M. Kuwahara et al., *Processing of RI-angiocardiographic images* (1976) 187, took means so.
 
 use super::tuning::PartsTuning;
 use palpate_geometry::neighbours::{NEAREST, Neighbours, oriented_anew};
@@ -21,37 +20,43 @@ const ROUNDED: f64 = 1e-3;
 
 /// The plane of a neighbourhood.
 #[derive(Clone, Copy)]
-struct NeighbourPlane {
+pub(super) struct NeighbourPlane {
     middle: Vector,
-    normal: Vector,
-    sd: f64,
+    pub(super) normal: Vector,
+    pub(super) sd: f64,
+    /// The smaller sd in the plane.
+    pub(super) along: f64,
+}
+
+/// The contacts nearest to each, and their planes.
+pub(super) fn planes(points: &[Vector], tree: &Neighbours) -> (Vec<Vec<usize>>, Vec<NeighbourPlane>) {
+    let nearest = |i: usize| tree.nearest(points[i], NEAREST).into_iter().map(|(_, j)| j as usize).collect();
+    let near: Vec<Vec<usize>> = threads::map(points.len(), 256, nearest);
+    let planes = threads::map(points.len(), 256, |i| plane(points, near[i].iter().copied()));
+    (near, planes)
 }
 
 /// A unit normal for each point, on one side.
 pub(super) fn estimated(points: &[Vector], viewpoint: Option<Vector>, tuning: &PartsTuning) -> Vec<Vector> {
-    let tree = Neighbours::new(points);
-    let near = threads::map(points.len(), 256, |i| tree.nearest(points[i], NEAREST));
-    let planes = threads::map(points.len(), 256, |i| plane(points, near[i].iter().map(|(_, j)| *j as usize)));
-    let upward = |plane: &NeighbourPlane| if plane.normal[2] < 0.0 { scaled(-1.0, plane.normal) } else { plane.normal };
-    let mut normals = oriented_anew(points, planes.iter().map(upward).collect(), viewpoint).normals;
-    if let Some(eye) = viewpoint {
-        // what a viewpoint sees faces it
-        let turn = |(n, p): (&mut Vector, &Vector)| *n = scaled(dot(*n, minus(eye, *p)).signum(), *n);
-        normals.iter_mut().zip(points).for_each(turn);
-    }
-    threads::map(points.len(), 256, |i| {
+    let (near, planes) = planes(points, &Neighbours::new(points));
+    let sharp = threads::map(points.len(), 256, |i| {
         let flat = |j: &usize| {
             let other = &planes[*j];
             let off = dot(other.normal, minus(points[i], other.middle)).abs();
             other.sd < tuning.flatter * planes[i].sd && off < tuning.near_plane * other.sd.max(ROUNDED * planes[i].sd)
         };
-        let others = near[i].iter().map(|(_, j)| *j as usize).filter(flat);
+        let others = near[i].iter().copied().filter(flat);
         let flattest = others.min_by(|a, b| planes[*a].sd.total_cmp(&planes[*b].sd).then(a.cmp(b)));
-        flattest.map_or(normals[i], |j| {
-            let normal = planes[j].normal;
-            if dot(normal, normals[i]) < 0.0 { scaled(-1.0, normal) } else { normal }
-        })
-    })
+        planes[flattest.unwrap_or(i)].normal
+    });
+    let upward = |normal: Vector| if normal[2] < 0.0 { scaled(-1.0, normal) } else { normal };
+    let mut normals = oriented_anew(points, sharp.into_iter().map(upward).collect(), viewpoint).normals;
+    if let Some(eye) = viewpoint {
+        // what a viewpoint sees faces it
+        let turn = |(n, p): (&mut Vector, &Vector)| *n = scaled(dot(*n, minus(eye, *p)).signum(), *n);
+        normals.iter_mut().zip(points).for_each(turn);
+    }
+    normals
 }
 
 fn plane(points: &[Vector], near: impl Iterator<Item = usize> + Clone) -> NeighbourPlane {
@@ -63,7 +68,8 @@ fn plane(points: &[Vector], near: impl Iterator<Item = usize> + Clone) -> Neighb
         (0..3).for_each(|a| (0..3).for_each(|b| squares[a][b] += d[a] * d[b] / count));
     }
     let (values, axes) = eigen(&squares);
-    NeighbourPlane { middle, normal: axes[0], sd: values[0].max(0.0).sqrt() }
+    let [sd, along, _] = values.map(|value| value.max(0.0).sqrt());
+    NeighbourPlane { middle, normal: axes[0], sd, along }
 }
 
 #[cfg(test)]

@@ -144,8 +144,26 @@ impl Walk {
     }
 }
 
-/// The primitive about one point, and the points that it explains at less than `most_of` it. It begins with neighbours whose normals are
-/// nearly the point's own: on a narrow face most neighbours are of others.
+/// Contacts that a region begins with: neighbours whose normals are nearly the first's own, since on a narrow face most neighbours are of
+/// others. Where these are hardly any, the face is a few contacts wide, and a walk from one of them to the next follows it.
+fn begun(
+    (cloud, parallel): (&Cloud, f64),
+    seed: usize,
+    walk: &mut Walk,
+    free: &impl Fn(usize) -> bool,
+) -> Option<Vec<u32>> {
+    let is_alike = |j: usize| free(j) && dot(cloud.normals[seed], cloud.normals[j]) > parallel;
+    // what lies singly among contacts of other parts begins none
+    if 2 * cloud.linked(seed).iter().filter(|j| free(**j as usize)).count() < LINKED {
+        return None;
+    }
+    let near = cloud.near(seed).iter().copied().filter(|j| is_alike(*j as usize));
+    let first: Vec<u32> = std::iter::once(seed as u32).chain(near).collect();
+    let first = if first.len() > LINKED { first } else { walk.reach(cloud, &[seed as u32], NEAREST, is_alike) };
+    (first.len() > LINKED).then_some(first)
+}
+
+/// The primitive about one point, and the points that it explains at less than `most_of` it.
 pub(super) fn grow(
     (cloud, u, parallel): (&Cloud, &Noise, f64),
     seed: usize,
@@ -153,16 +171,7 @@ pub(super) fn grow(
     most_of: impl Fn(usize) -> f64,
 ) -> Option<(Primitive, Vec<u32>)> {
     let free = |i: usize| most_of(i) > 0.0;
-    let is_alike = |j: &u32| free(*j as usize) && dot(cloud.normals[seed], cloud.normals[*j as usize]) > parallel;
-    // what lies singly among contacts of other parts begins none
-    if 2 * cloud.linked(seed).iter().filter(|j| free(**j as usize)).count() < LINKED {
-        return None;
-    }
-    let near = cloud.near(seed).iter().copied().filter(is_alike);
-    let first: Vec<u32> = std::iter::once(seed as u32).chain(near).collect();
-    if first.len() <= LINKED {
-        return None;
-    }
+    let first = begun((cloud, parallel), seed, walk, &free)?;
     let mut members = first.clone();
     let mut before: Vec<Primitive> = Vec::new();
     let mut stable = 0;

@@ -78,7 +78,8 @@ impl Partition {
         (b, of_b): (usize, &[u32]),
         adjacent: bool,
     ) -> Option<(f64, Primitive)> {
-        let (cloud, u) = (field.cloud, &field.coarse);
+        let cloud = field.cloud;
+        let [u, pass] = [field.coarse, field.pass].map(|noise| field.told(noise));
         let [one, two] = [self.parts[a], self.parts[b]];
         let (of_a, of_b) = (&field.judged(of_a, &one), &field.judged(of_b, &two));
         let (mut points, mut normals) = sampled(cloud, of_a, JUDGED);
@@ -87,7 +88,7 @@ impl Partition {
         points.extend(more_points);
         normals.extend(more_normals);
         let mean = |primitive: &Primitive, from: usize, to: usize| -> f64 {
-            (from..to).map(|k| cost(primitive, points[k], normals[k], u)).sum::<f64>() / (to - from) as f64
+            (from..to).map(|k| cost(primitive, points[k], normals[k], &u)).sum::<f64>() / (to - from) as f64
         };
         // a primitive that explains nothing of the other part, nor the other way round, has nothing to do with it
         let foreign = if adjacent { 0.98 } else { 0.7 } * CAP;
@@ -103,7 +104,7 @@ impl Partition {
         apart.add(cloud, of_b, &two);
         let unknowns = |p: &Primitive| p.kind.free().len();
         let more = (unknowns(&one) + unknowns(&two) + 1).saturating_sub(unknowns(&joint));
-        let lost = together.lose_to(&apart, more, field.cells, &field.pass);
+        let lost = together.lose_to(&apart, more, field.cells, &pass);
         (lost < 0.0).then_some((-lost, joint))
     }
 }

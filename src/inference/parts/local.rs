@@ -35,6 +35,11 @@ pub(super) struct Noise {
 }
 
 impl Noise {
+    /// The same where normals tell nothing: those of planes through neighbours say what their places say.
+    pub(super) fn blind(&self) -> Noise {
+        Noise { normal: f64::INFINITY, ..*self }
+    }
+
     /// Not less than one and not more than another; where these contradict, the former.
     pub(super) fn between(&self, least: &Noise, most: &Noise) -> Noise {
         Noise {

@@ -26,6 +26,7 @@
 //! # Ok::<(), palpate::parts::PartsError>(())
 //! ```
 
+mod against_places;
 mod answer;
 mod cloud;
 mod correlated_noise;
@@ -35,6 +36,7 @@ mod estimated;
 mod evaluation;
 mod evidence;
 mod exact;
+mod few_touches;
 mod free_form;
 mod growth;
 mod hypothesis;
@@ -82,8 +84,10 @@ use palpate_geometry::contact::Contacts;
 use palpate_geometry::neighbours::{Oriented, oriented};
 use palpate_numeric::vector::{Vector, dot, minus, norm, scaled};
 
+use against_places::contradict;
 use answer::{Findings, Origin};
 use cloud::{Cloud, FEWEST_POINTS};
+use few_touches::one_of_few;
 use partition::{Field, NONE, Partition};
 use settling::{given_to_all, partition};
 use surveyed::{LetPass, Surveyed};
@@ -101,13 +105,14 @@ impl Parts {
 fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsError> {
     options.check()?;
     contacts.check()?;
-    if contacts.len() < FEWEST_POINTS {
-        return Err(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST_POINTS });
-    }
     let mut notes = Vec::new();
     let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
-    let estimated = contacts.unit_normal(0).is_none();
-    let Sided { normals, side_known } = normals(contacts, &points, options, &mut notes)?;
+    if contacts.len() < FEWEST_POINTS {
+        let normals: Option<Vec<Vector>> = (0..contacts.len()).map(|r| contacts.unit_normal(r)).collect();
+        let one = one_of_few(&points, &normals.unwrap_or_default(), notes);
+        return one.ok_or(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST_POINTS });
+    }
+    let Sided { normals, side_known, estimated } = normals(contacts, &points, options, &mut notes)?;
     let cloud = Cloud::new(&points, normals).ok_or(PartsError::NoExtent)?;
     let pass = LetPass::new(&cloud, options.tolerance, estimated);
     let tuning = &options.tuning;
@@ -181,6 +186,8 @@ fn cut<'a>(field: &Field<'a>) -> (Partition, Field<'a>) {
 struct Sided {
     normals: Vec<Vector>,
     side_known: bool,
+    /// Whether they are from the positions.
+    estimated: bool,
 }
 
 /// Unit normals on one side, from the file or from the positions.
@@ -191,19 +198,11 @@ fn normals(
     notes: &mut Vec<String>,
 ) -> Result<Sided, PartsError> {
     let given: Option<Vec<Vector>> = (0..contacts.len()).map(|r| contacts.unit_normal(r)).collect();
-    if let Some(normals) = given {
-        let Oriented { normals, consistent, flipped: turned, .. } = oriented(points, normals, None);
-        if !consistent {
-            return Err(PartsError::Normals);
-        }
-        if turned > 0 {
-            notes.push(format!(
-                "{turned} of {} normals point to the other side than their neighbours' and were reversed",
-                points.len()
-            ));
-        }
-        return Ok(Sided { normals, side_known: true });
-    }
+    let why = match given {
+        Some(normals) if contradict(points, &normals, &options.tuning) => "the file's normals contradict its places",
+        Some(normals) => return of_file(points, normals, notes),
+        None => "there are no normals",
+    };
     let mut normals = estimated::estimated(points, options.viewpoint, &options.tuning);
     let closes = goes_round(&normals);
     if options.viewpoint.is_none() && closes && !points_outwards(points, &normals) {
@@ -215,10 +214,33 @@ fn normals(
         (false, false) => (false, "upwards, though nothing tells which side is free"),
     };
     notes.push(format!(
-        "there are no normals; they were estimated from planes through neighbours and point {side}; a convex and a concave joint \
+        "{why}; they were estimated from planes through neighbours and point {side}; a convex and a concave joint \
          change places if that is the wrong side"
     ));
-    Ok(Sided { normals, side_known })
+    Ok(Sided { normals, side_known, estimated: true })
+}
+
+/// The file's own, on one side.
+fn of_file(points: &[Vector], normals: Vec<Vector>, notes: &mut Vec<String>) -> Result<Sided, PartsError> {
+    let found = oriented(points, normals, None);
+    let undecided = found.undecided();
+    let Oriented { normals, consistent, flipped: turned, .. } = found;
+    if !consistent {
+        return Err(PartsError::Normals);
+    }
+    if turned > 0 {
+        let of = points.len();
+        notes
+            .push(format!("{turned} of {of} normals point to the other side than their neighbours' and were reversed"));
+    }
+    if let Some(share) = undecided {
+        notes.push(format!(
+            "only {:.0} % of the signs of normals agree, so that nothing tells which side is free; a convex and a concave joint change \
+             places if it is the other",
+            100.0 * share
+        ));
+    }
+    Ok(Sided { normals, side_known: undecided.is_none(), estimated: false })
 }
 
 /// Normals in all directions, as of a closed body.

@@ -33,6 +33,9 @@ pub(super) const ROUNDS: usize = 15;
 /// Sweeps over all labels in a round.
 pub(super) const SWEEPS: usize = 4;
 
+/// Points that a part is fitted to while labels still change.
+const FITTED: usize = 1000;
+
 /// No part.
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -65,6 +68,12 @@ pub(super) struct Field<'a> {
 }
 
 impl Field<'_> {
+    /// A noise by which kinds are told: normals of planes through neighbours tell nothing beside the places that they are from, and on a
+    /// face that is two contacts wide they lean towards the faces beside it.
+    pub(super) fn told(&self, noise: Noise) -> Noise {
+        if self.blurred { noise.blind() } else { noise }
+    }
+
     /// Contacts that a primitive is judged by: those that it explains; where neighbours share errors all, since its own stand off, too.
     pub(super) fn judged(&self, inner: &[u32], primitive: &Primitive) -> Vec<u32> {
         if self.shared { inner.to_vec() } else { explained(self.cloud, inner, primitive, &self.coarse) }
@@ -220,7 +229,8 @@ impl Partition {
     /// What the contacts of a surface scatter by.
     pub(super) fn sheet_limit(&self, field: &Field) -> SheetLimit {
         let beside = Noise { distance: field.unresolved, normal: field.pass.normal };
-        SheetLimit::new(&self.scatter(field).common, &beside, self.fewest_of_region(field), field.tuning)
+        let of = (self.fewest_of_region(field), field.blurred);
+        SheetLimit::new(&self.scatter(field).common, &beside, of, field.tuning)
     }
 
     /// Parts whose contacts fill a strip of space go, and their contacts with them.
@@ -260,15 +270,14 @@ pub(super) fn explained(cloud: &Cloud, inner: &[u32], primitive: &Primitive, coa
 
 /// The simplest kind that no richer one beats.
 fn chosen(field: &Field, inner: &[u32], before: &Primitive) -> Option<Primitive> {
-    /// Points that a part is fitted to while labels still change.
-    const FITTED: usize = 1000;
-    let (cloud, u) = (field.cloud, &field.coarse);
+    let cloud = field.cloud;
+    let [u, pass] = [field.coarse, field.pass].map(|noise| field.told(noise));
     let inner = &field.judged(inner, before);
     let own = if field.shared { 1.0 } else { field.tuning.own };
     let (points, normals) = sampled(cloud, inner, FITTED);
     let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
     let loses =
-        |simpler: &Residuals, richer: &Residuals, more| simpler.lose_over(richer, more, field.cells, &field.pass, own);
+        |simpler: &Residuals, richer: &Residuals, more| simpler.lose_over(richer, more, field.cells, &pass, own);
     simplest((cloud, inner), &sample, &[*before], loses)
 }
 

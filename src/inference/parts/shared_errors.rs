@@ -2,7 +2,9 @@
 //!
 //! ```text
 //! c(r) = s^2 exp(-r / l)     least squares through the mean products of residuals of contacts r apart; distances and normals each
-//! V    = C + g C (sum_{i != j} a_i a_j' c_d(r_ij) + sum_t b_it b_jt' c_n(r_ij)) C          a, b: weighted rows of distance and normal
+//! x(r) = s r / l exp(-r / l) the same of a distance and the lean of a normal towards it
+//! V    = C + g C (sum_{i != j} a_i a_j' c_d(r_ij) + sum_t b_it b_jt' c_n(r_ij) + (a_i b_je' + b_je a_i') x(r_ij)) C
+//!        a, b: weighted rows of distance and normal;  e: direction from i to j
 //! g    = 1 / (1 - unknowns / n_e)       n_e = n^2 sd^2 / sum_ij c_d(r_ij): a fit takes from the residuals what it has unknowns for
 //! ```
 //!
@@ -15,7 +17,10 @@ use super::tuning::PartsTuning;
 use crate::primitives::descent::rows;
 use crate::primitives::placed::{MOST_UNKNOWNS, Primitive};
 use palpate_numeric::linalg::small::Square;
-use palpate_numeric::vector::{minus, norm};
+use palpate_numeric::vector::{Vector, dot, minus, norm};
+
+/// Ranges beyond which an exponential covariance is none.
+const RANGES: f64 = 4.0;
 
 /// A primitive with the noise that its rows are weighted by.
 pub(super) struct Weighted<'a> {
@@ -24,16 +29,45 @@ pub(super) struct Weighted<'a> {
     pub(super) tuning: &'a PartsTuning,
 }
 
-/// An exponential covariance.
+/// A derivative by the unknowns.
+type Row = [f64; MOST_UNKNOWNS];
+
+/// How a covariance falls with the distance over its range.
+type Law = fn(f64) -> f64;
+
+/// Of errors of one sort.
+const ALIKE: Law = |r| (-r).exp();
+
+/// Of an error of place and the lean of a normal farther on: where normals follow the surface that errors displaced, they lean along it.
+const AHEAD: Law = |r| r * (-r).exp();
+
+/// A covariance.
 #[derive(Clone, Copy)]
 struct ErrorKernel {
-    variance: f64,
+    law: Law,
+    size: f64,
     range: f64,
 }
 
 impl ErrorKernel {
     fn at(&self, r: f64) -> f64 {
-        self.variance * (-r / self.range).exp()
+        self.size * (self.law)(r / self.range)
+    }
+}
+
+/// Two contacts, by their numbers among those asked and those beside them.
+struct Pair {
+    one: usize,
+    other: usize,
+    apart: f64,
+    /// Unit vector from the one to the other, in the primitive's own axes.
+    towards: Vector,
+}
+
+impl Pair {
+    /// The component towards the other of what has three, those of a normal being rows 1 to 3.
+    fn ahead(&self, of: impl Fn(usize) -> f64) -> f64 {
+        (0..3).map(|k| self.towards[k] * of(k + 1)).sum()
     }
 }
 
@@ -44,30 +78,39 @@ pub(super) fn widened(
     fit: &Weighted,
     covariance: &Square<MOST_UNKNOWNS>,
 ) -> [f64; MOST_UNKNOWNS] {
-    let count = inner.len().min(fit.tuning.shared_asked);
-    let asked: Vec<usize> = (0..count).map(|k| inner[k * inner.len() / count] as usize).collect();
-    let rows: Vec<_> = asked.iter().map(|i| rows(fit.primitive, cloud.points[*i], cloud.normals[*i])).collect();
-    let pairs = pairs(cloud, &asked);
-    let products = |first: usize, last: usize, i: usize, j: usize| -> f64 {
-        (first..=last).map(|t| rows[i][t].0 * rows[j][t].0).sum::<f64>()
+    let [asked, beside] = fit.tuning.shared_asked.map(|most| evenly_among(inner, most));
+    let of = |i: &usize| rows(fit.primitive, cloud.points[*i], cloud.normals[*i]);
+    let [asked_rows, rows] = [&asked, &beside].map(|some| some.iter().map(of).collect::<Vec<_>>());
+    let pairs = pairs(cloud, [&asked, &beside], fit);
+    let products = |first: usize, last: usize, p: &Pair| -> f64 {
+        (first..=last).map(|t| asked_rows[p.one][t].0 * rows[p.other][t].0).sum::<f64>()
     };
-    let of_distances = kernel((cloud, fit.tuning), &pairs, fit.noise.distance.powi(2), |i, j| products(0, 0, i, j));
-    let of_normals = kernel((cloud, fit.tuning), &pairs, fit.noise.normal.powi(2), |i, j| 0.5 * products(1, 3, i, j));
+    let sd = [fit.noise.distance, fit.noise.normal];
+    let of =
+        |law: Law, bound: f64, product: &dyn Fn(&Pair) -> f64| kernel((cloud, fit.tuning), &pairs, law, bound, product);
+    let of_distances = of(ALIKE, sd[0] * sd[0], &|p| products(0, 0, p));
+    let of_normals = of(ALIKE, sd[1] * sd[1], &|p| 0.5 * products(1, 3, p));
+    let of_both = of(AHEAD, sd[0] * sd[1], &|p| asked_rows[p.one][0].0 * p.ahead(|t| rows[p.other][t].0));
     let mut middle = [[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS];
     let free = fit.primitive.kind.free();
-    let weights = [fit.noise.distance.powi(-2), fit.noise.normal.powi(-2)];
-    // every contact asked stands for as many
-    let stands = (inner.len() as f64 / count as f64).powi(2);
+    // every contact asked stands for as many, and so does every one beside it
+    let stands = (inner.len() as f64).powi(2) / (asked.len() * beside.len()) as f64;
+    let mut add = |heavy: f64, a: &Row, b: &Row| {
+        free.iter().for_each(|&p| free.iter().for_each(|&q| middle[p][q] += heavy * (a[p] * b[q] + b[p] * a[q])));
+    };
+    let weights = sd.map(|sd| sd.powi(-2));
     let mut together = 0.0;
-    for (t, kernel) in [of_distances, of_normals, of_normals, of_normals].into_iter().enumerate() {
-        let Some(kernel) = kernel else { continue };
-        let heavy = stands * weights[usize::from(t > 0)].powi(2);
-        for (i, j, r) in &pairs {
-            let shared = heavy * kernel.at(*r);
-            let (a, b) = (&rows[*i][t].1, &rows[*j][t].1);
-            free.iter().for_each(|&p| free.iter().for_each(|&q| middle[p][q] += shared * (a[p] * b[q] + b[p] * a[q])));
-            together += if t == 0 { 2.0 * stands * kernel.at(*r) } else { 0.0 };
+    for p in &pairs {
+        let (one, other) = (&asked_rows[p.one], &rows[p.other]);
+        for (t, kernel) in [of_distances, of_normals, of_normals, of_normals].into_iter().enumerate() {
+            let Some(kernel) = kernel else { continue };
+            add(0.5 * stands * weights[usize::from(t > 0)].powi(2) * kernel.at(p.apart), &one[t].1, &other[t].1);
         }
+        if let Some(kernel) = of_both {
+            let ahead: Row = std::array::from_fn(|k| p.ahead(|t| other[t].1[k]));
+            add(stands * weights[0] * weights[1] * kernel.at(p.apart), &one[0].1, &ahead);
+        }
+        together += of_distances.map_or(0.0, |kernel| stands * kernel.at(p.apart));
     }
     let all = inner.len() as f64;
     let independent = all / (1.0 + together / (all * fit.noise.distance.powi(2)));
@@ -79,30 +122,45 @@ pub(super) fn widened(
     })
 }
 
-/// Every two of these contacts, and how far apart they are.
-fn pairs(cloud: &Cloud, asked: &[usize]) -> Vec<(usize, usize, f64)> {
-    let apart = |i: usize, j: usize| norm(minus(cloud.points[asked[i]], cloud.points[asked[j]]));
-    (0..asked.len()).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| (i, j, apart(i, j))).collect()
+/// At most so many of these contacts, evenly among all.
+fn evenly_among(inner: &[u32], most: usize) -> Vec<usize> {
+    let count = inner.len().min(most);
+    (0..count).map(|k| inner[k * inner.len() / count] as usize).collect()
 }
 
-/// The kernel that products of residuals follow best, beside `variance` of each; `None` where chance explains them.
+/// Every contact asked with every other one within the widest range.
+fn pairs(cloud: &Cloud, [asked, beside]: [&[usize]; 2], fit: &Weighted) -> Vec<Pair> {
+    let widest = RANGES * cloud.spacing * fit.tuning.shared_ranges.iter().fold(0.0, |most, range| range.max(most));
+    let all = (0..asked.len()).flat_map(|one| (0..beside.len()).map(move |other| (one, other)));
+    let pair = |(one, other): (usize, usize)| {
+        let step = minus(cloud.points[beside[other]], cloud.points[asked[one]]);
+        let apart = norm(step);
+        let is_near = asked[one] != beside[other] && apart > 0.0 && apart < widest;
+        let own = fit.primitive.axes.map(|axis| dot(axis, step) / apart);
+        is_near.then_some(Pair { one, other, apart, towards: own })
+    };
+    all.filter_map(pair).collect()
+}
+
+/// The kernel that products of residuals follow best, where none exceeds the `bound`; `None` where chance explains them.
 fn kernel(
     (cloud, tuning): (&Cloud, &PartsTuning),
-    pairs: &[(usize, usize, f64)],
-    variance: f64,
-    product: impl Fn(usize, usize) -> f64,
+    pairs: &[Pair],
+    law: Law,
+    bound: f64,
+    product: &dyn Fn(&Pair) -> f64,
 ) -> Option<ErrorKernel> {
     let mut best: Option<(f64, ErrorKernel)> = None;
     for range in tuning.shared_ranges.map(|range| range * cloud.spacing) {
         let (mut along, mut square) = (0.0, 0.0);
-        for (i, j, r) in pairs.iter().filter(|(_, _, r)| *r < 4.0 * range) {
-            let shape = (-r / range).exp();
-            along += shape * product(*i, *j);
+        for pair in pairs.iter().filter(|pair| pair.apart < RANGES * range) {
+            let shape = law(pair.apart / range);
+            along += shape * product(pair);
             square += shape * shape;
         }
-        let clear = along / (square.sqrt() * variance);
+        let clear = (along / (square.sqrt() * bound)).abs();
         if square > 0.0 && clear > tuning.shared_clear && best.is_none_or(|(most, _)| clear > most) {
-            best = Some((clear, ErrorKernel { variance: (along / square).min(variance), range }));
+            best = Some((clear, ErrorKernel { law, size: (along / square).clamp(-bound, bound), range }));
         }
     }
     best.map(|(_, kernel)| kernel)

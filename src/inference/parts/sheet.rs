@@ -16,7 +16,8 @@ use crate::primitives::placed::Primitive;
 use palpate_numeric::statistics::{MAD_TO_SD, RAYLEIGH_TO_SD, upper_median};
 use palpate_numeric::vector::{dot, minus, norm};
 
-/// Cosine between the normals of two neighbours below which they are on two walls, back to back: within 45 degrees of it.
+/// Cosine between the normals of two neighbours below which they are on two walls, back to back: within 45 degrees of it. Normals of planes
+/// through neighbours tell no more.
 const OPPOSITE: f64 = -0.7;
 
 /// What the contacts of a sheet may scatter by.
@@ -25,17 +26,25 @@ pub(super) struct SheetLimit {
     pub(super) noise: Noise,
     /// Share of their linked neighbours that are among them.
     coherent: f64,
+    /// Cosine between normals from which on a neighbour is asked for: one beyond an edge is of another face, where normals are measured.
+    facing: f64,
     /// Fewest contacts of a region.
     fewest: usize,
 }
 
 impl SheetLimit {
     /// From what all contacts scatter by, what is let pass beside it, and how many contacts a region has at least.
-    pub(super) fn new(common: &Noise, beside: &Noise, fewest: usize, tuning: &PartsTuning) -> SheetLimit {
-        let PartsTuning { loose, coherent, .. } = *tuning;
+    pub(super) fn new(
+        common: &Noise,
+        beside: &Noise,
+        (fewest, blurred): (usize, bool),
+        tuning: &PartsTuning,
+    ) -> SheetLimit {
+        let PartsTuning { loose, coherent, parallel, .. } = *tuning;
+        let facing = if blurred { OPPOSITE } else { parallel };
         let distance = loose * common.distance.hypot(beside.distance);
         let noise = Noise { distance, normal: loose * common.normal.hypot(beside.normal) };
-        SheetLimit { noise, coherent, fewest }
+        SheetLimit { noise, coherent, facing, fewest }
     }
 
     /// Whether the contacts of a part lie on a sheet about its primitive.
@@ -67,11 +76,11 @@ impl SheetLimit {
             && median(members, |i| shapes[*i as usize].variance[1]).sqrt() <= self.noise.normal
     }
 
-    /// Whether these contacts have enough of each other as neighbours. What faces the opposite way is another wall, however near it is.
+    /// Whether these contacts have enough of each other as neighbours. What faces another way is another face or wall, however near it is.
     fn coheres(&self, cloud: &Cloud, labels: &[u32], members: &[u32]) -> bool {
         let facing = |i: &u32| {
             let normal = cloud.normals[*i as usize];
-            cloud.linked(*i as usize).iter().filter(|j| dot(normal, cloud.normals[**j as usize]) > OPPOSITE).count()
+            cloud.linked(*i as usize).iter().filter(|j| dot(normal, cloud.normals[**j as usize]) > self.facing).count()
         };
         let alike: usize = members.iter().map(|i| linked_alike(cloud, labels, *i).count()).sum();
         alike as f64 >= self.coherent * members.iter().map(facing).sum::<usize>() as f64

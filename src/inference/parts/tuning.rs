@@ -47,8 +47,16 @@ pub struct PartsTuning {
     pub flatter: f64,
     /// Standard deviations by which a contact may be off the plane that it takes.
     pub near_plane: f64,
-    /// Contacts of a part whose pairs are asked for errors that they share; errors of fewer neighbours than these are apart hardly matter.
-    pub shared_asked: usize,
+    /// Scatter of a neighbourhood across its plane over that along it, up to which the plane tells a normal to some five degrees.
+    pub flat_places: f64,
+    /// Median angle from the planes through neighbours, degrees and over that between normals next to each other, from which on the normals
+    /// of a file contradict its places. Planes bend towards edges, and differ from normals by a few degrees there.
+    pub contradicts: [f64; 2],
+    /// Share of a part's normals that point to its other side, from which on it is not known which is free.
+    pub side_doubted: f64,
+    /// Contacts of a part that are asked for errors that they share with others, and others of which it is asked: as many as most parts have,
+    /// since of few among many none is a neighbour.
+    pub shared_asked: [usize; 2],
     /// Ranges of shared errors that are tried, in spacings.
     pub shared_ranges: [f64; 8],
     /// Standard deviations of chance that products of neighbours' residuals must exceed to be shared errors.
@@ -86,7 +94,10 @@ impl Default for PartsTuning {
             close: 0.5,
             flatter: 0.5,
             near_plane: 2.0,
-            shared_asked: 600,
+            flat_places: 0.1,
+            contradicts: [10.0, 3.0],
+            side_doubted: 0.2,
+            shared_asked: [300, 6000],
             shared_ranges: [1.0, 1.6, 2.5, 4.0, 6.4, 10.0, 16.0, 25.0],
             shared_clear: 3.0,
             shared_turns: 1.35,

@@ -43,23 +43,26 @@ impl Partition {
     /// Whether contacts lie close beside their noise, and the parts hold nearly all of them: regions then grew as far as faces reach, and what
     /// the whole shows is known.
     pub(super) fn is_beyond_doubt(&self, field: &Field) -> bool {
+        let PartsTuning { held, close, .. } = *field.tuning;
+        self.labels.len() > LOOKED_AT && self.holds(held) && field.coarse.distance < close * field.cloud.spacing
+    }
+
+    /// Whether so large a share of all contacts is in a part.
+    fn holds(&self, share: f64) -> bool {
         let held = self.labels.iter().filter(|label| **label != NONE).count() as f64;
-        let all = self.labels.len();
-        let PartsTuning { held: most, close, .. } = *field.tuning;
-        all > LOOKED_AT && held >= most * all as f64 && field.coarse.distance < close * field.cloud.spacing
+        held >= share * self.labels.len() as f64
     }
 
     /// Whether nearly all contacts are in a part.
     pub(super) fn holds_nearly_all(&self, tuning: &PartsTuning) -> bool {
-        let held = self.labels.iter().filter(|label| **label != NONE).count() as f64;
-        held >= tuning.nearly_all * self.labels.len() as f64
+        self.holds(tuning.nearly_all)
     }
 
     /// Whether its parts go over into each other: normals differ, where two of them meet, by no more than each may lean by.
     fn is_smooth(&self, field: &Field) -> bool {
-        let normal = |part: u32, _, place| self.parts[part as usize].nearest(place).1;
+        let beside = |part: u32, _, place| self.parts[part as usize].nearest(place);
         let most = (std::f64::consts::SQRT_2 * field.coarse.normal).to_degrees();
-        let joints = joints(field.cloud, &self.labels, normal);
+        let joints = joints(field.cloud, &self.labels, LOOSE * field.coarse.distance, beside);
         joints.len() + 1 >= self.parts.len() && joints.iter().all(|joint| joint.angle_deg < most)
     }
 
@@ -88,7 +91,8 @@ impl Partition {
             off.len() as f64 * sd.ln() + 0.5 * squares + price * part.kind.free().len() as f64
         };
         let pairs = (0..cloud.len()).flat_map(|i| cloud.linked(i).iter().map(move |j| (i, *j as usize)));
-        let edges = pairs.filter(|(i, j)| self.labels[*i] != self.labels[*j]).count() as f64;
+        // nearly all links are from both sides, and a pair is one boundary
+        let edges = 0.5 * pairs.filter(|(i, j)| self.labels[*i] != self.labels[*j]).count() as f64;
         self.parts.iter().zip(&off).map(of_part).sum::<f64>() + AGREE * edges
     }
 }
@@ -131,7 +135,7 @@ pub(super) fn one(cut: &Partition, field: &Field) -> Option<Partition> {
     let all: Vec<u32> = (0..cloud.len() as u32).collect();
     let (points, normals) = sampled(cloud, &all, LOOKED_AT);
     let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: f64::INFINITY };
-    let blind = Noise { normal: f64::INFINITY, ..field.pass };
+    let blind = field.pass.blind();
     let loses = |simpler: &Residuals, richer: &Residuals, more| simpler.lose_to_kind(richer, more, field.cells, &blind);
     let primitive = simplest((cloud, &all), &sample, &cut.parts, loses)?;
     let off: Vec<f64> = cloud.points.iter().map(|p| primitive.nearest(*p).0).collect();
