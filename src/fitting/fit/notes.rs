@@ -110,11 +110,14 @@ impl std::fmt::Display for Note {
                  said of S and R depends on where it stopped; lower degree or segments, or add contacts"
             ),
             Note::Smoothed { chosen } => {
+                write!(
+                    f,
+                    "the surface is as smooth as makes the contacts likeliest, each of which is taken to err for itself: "
+                )?;
                 match chosen {
-                    Smooth::Lambda(lambda) => write!(f, "smoothing parameter {lambda:.3e}")?,
-                    _ => write!(f, "smoothing {chosen}")?,
+                    Smooth::Lambda(lambda) => write!(f, "--smooth {lambda:.3e}")?,
+                    _ => write!(f, "--smooth {chosen}")?,
                 }
-                write!(f, " chosen by restricted maximum likelihood, which assumes independent rows")?;
                 match chosen {
                     Smooth::Stretched { aspect, .. } if *aspect > 1.0 => {
                         write!(f, "; bends are taken for {aspect:.2} times as long along x as along y")

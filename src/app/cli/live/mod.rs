@@ -59,7 +59,9 @@ pub(super) struct LiveArgs {
     /// Stop when the standard uncertainty of R, in all, is at most this share of R; S follows by --u-s
     #[arg(long, value_parser = values::positive, value_name = "SHARE", allow_hyphen_values = true, requires = "u_s")]
     u_r: Option<f64>,
-    /// Only the last N touches count, and memory stays as it is however many come
+    /// Only the last N touches count whenever all are looked at, and memory stays as it is however many come
+    ///
+    /// Between two looks (see --refresh) the touches that came since move the answer, and none leaves
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..))]
     window: Option<u32>,
     /// Look at all touches again when they have grown by this share, and whenever one disagrees; 0: after every touch

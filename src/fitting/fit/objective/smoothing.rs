@@ -125,6 +125,23 @@ mod tests {
         assert!(along_x < 0.7 && along_y > 1.4, "{along_x} {along_y}");
     }
 
+    /// With as many unknowns as rows a surface through all contacts is about as likely as a smooth one, and bends by noise alone.
+    #[test]
+    fn as_many_unknowns_as_contacts_follow_no_noise() {
+        for seed in 0..12 {
+            let mut generator = Lcg::new(seed);
+            let mut one = || {
+                let [x, y] = [0, 1].map(|_| 12.0 * generator.uniform() - 6.0);
+                [x, y, -0.05 * (x * x + 0.4 * y * y) + 0.03 * generator.normal()]
+            };
+            let contacts = Contacts::from_points(&(0..64).map(|_| one()).collect::<Vec<[f64; 3]>>());
+            let options = FitOptions::default().with_degree(3).with_segments(5, 5).with_smooth(Smooth::Auto);
+            let fit = fit_contacts(&contacts, &options).unwrap();
+            let here = fit.input_surface().unwrap().at(0.5, -0.4);
+            assert!((here.zxx + 0.1).abs() < 0.05 && (here.zyy + 0.04).abs() < 0.05, "{seed}: {here:?}");
+        }
+    }
+
     #[test]
     fn what_is_chosen_is_fitted_again_by_its_name() {
         let contacts = touched(150, 0.05, |x, y| (3.0 * x).sin() * y);

@@ -150,7 +150,7 @@ impl FieldChoice {
         // a cost that was named stays
         let smoothed = if options.smooth == Smooth::None { sample.smoothed(out) } else { Vec::new() };
         let finer = |at: usize| smoothed[(at + 1).min(smoothed.len() - 1)];
-        let best = coarsest_of(&smoothed).map(finer).filter(|best| best.1 <= AS_GOOD * coarse.1);
+        let best = coarsest_of(&smoothed).filter(|at| smoothed[*at].1 <= AS_GOOD * coarse.1).map(finer);
         let (form, error) = best.unwrap_or(coarse);
         let tried = tried.into_iter().chain(smoothed).collect();
         Some(FieldChoice { form, axes, tried, error, relief })

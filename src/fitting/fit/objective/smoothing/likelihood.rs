@@ -63,7 +63,7 @@ impl RestrictedLikelihood<'_> {
     /// Derivative by ln lambda where bends are alike along x and y; `None` without a solution.
     pub(super) fn slope(&self, lambda: f64) -> Option<f64> {
         let (equations, solution) = self.solved(self.even.weighing(lambda))?;
-        Some(by_lambda(&equations, &solution)).filter(|slope| slope.is_finite())
+        Some(by_lambda(&equations, &solution)).filter(|slope| self.is_slope(*slope))
     }
 
     /// Derivatives by ln lambda and by the logarithm of the aspect; `None` without a solution.
@@ -78,7 +78,14 @@ impl RestrictedLikelihood<'_> {
             rows_left(&equations) * share(bent, cost(&equations, &solution)) + lambda * trace(&solution, &by_aspect);
         let of_prior = 2.0 * aspect.ln() / (SPREAD * SPREAD);
         let slopes = [by_lambda(&equations, &solution), of_data - of_roughness + of_prior];
-        slopes.iter().all(|slope| slope.is_finite()).then_some(slopes)
+        (self.is_slope(slopes[0]) && slopes[1].is_finite()).then_some(slopes)
+    }
+
+    /// Whether a number may be the derivative by ln lambda: both of its terms lie between 0 and the rows, or the unknowns. Where lambda is lost
+    /// beside the rows' own rounding, and these are no more than the unknowns, the numbers are a thousand times as large, and one of them
+    /// would send the search there: noise was then shape (S of 64 contacts on a ring off by 0.66).
+    fn is_slope(&self, by_lambda: f64) -> bool {
+        by_lambda.abs() <= self.bare.count().max(self.bare.unknowns()) as f64
     }
 
     fn solved(&self, rough: Roughness) -> Option<(Equations, Solution)> {
