@@ -100,7 +100,8 @@ impl FieldForm {
         let smooth = if self.smoothed { Smooth::Auto } else { options.smooth };
         // means are those of the surface, and not of the places that a coarse grid happens to have
         let untyped = options.grid == FitOptions::default().grid;
-        let followed = |k: usize| if untyped { POINTS_PER_SEGMENT * self.segments[k] + 1 } else { options.grid[k] };
+        // with two more points than steps of a segment no inner one lies on a knot, where rounding decides which cell it is in
+        let followed = |k: usize| if untyped { POINTS_PER_SEGMENT * self.segments[k] + 2 } else { options.grid[k] };
         let grid = [0, 1].map(|k| followed(k).max(options.grid[k]));
         FitOptions { degree: [self.degree(); 2], segments: self.segments, smooth, grid, ..options.clone() }
     }
@@ -149,9 +150,9 @@ impl FieldChoice {
         let coarse = tried[coarsest_of(&tried)?];
         // a cost that was named stays
         let smoothed = if options.smooth == Smooth::None { sample.smoothed(out) } else { Vec::new() };
-        let finer = |at: usize| smoothed[(at + 1).min(smoothed.len() - 1)];
-        let best = coarsest_of(&smoothed).filter(|at| smoothed[*at].1 <= AS_GOOD * coarse.1).map(finer);
-        let (form, error) = best.unwrap_or(coarse);
+        let as_good = |at: &usize| smoothed.get(*at).is_some_and(|field| field.1 <= AS_GOOD * coarse.1);
+        let best = coarsest_of(&smoothed).filter(as_good).map(|at| if as_good(&(at + 1)) { at + 1 } else { at });
+        let (form, error) = best.map_or(coarse, |at| smoothed[at]);
         let tried = tried.into_iter().chain(smoothed).collect();
         Some(FieldChoice { form, axes, tried, error, relief })
     }
