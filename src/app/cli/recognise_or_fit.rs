@@ -13,7 +13,7 @@ use std::borrow::Cow;
 
 use crate::io::Input;
 use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
-use palpate_fitting::fit::{Fit, FitError, FitOptions, Robust, Smooth};
+use palpate_fitting::fit::{Fit, FitError, FitOptions, Robust};
 use palpate_fitting::parametric::FittedSurface;
 use palpate_geometry::contact::{Contacts, Grid, Orientation};
 use palpate_inference::recognition::{
@@ -219,11 +219,10 @@ fn flexible_field(field: Flexible, simple: Option<&Recognition>) -> Found {
         rms: Some(t.rms),
     }));
     let options = field.fit.options();
-    let form = FieldForm { segments: options.segments, smoothed: options.smooth != Smooth::None };
     let why = format!(
         "no simple shape explains the contacts; of the height fields tried, a {} predicts contacts left out in blocks best \
          (error {unsaid:.1} % of the relief)",
-        named(&form)
+        named(&field.form)
     );
     let chosen = ChosenPart {
         degree: Some(options.degree),
@@ -238,7 +237,7 @@ fn flexible_field(field: Flexible, simple: Option<&Recognition>) -> Found {
         words: "the surface is not one simple shape: S and R change from place to place, see the maps of --out".into(),
     };
     let noise_alone = "the intervals count noise alone, not what more segments would change";
-    let notes = (!form.smoothed).then(|| noise_alone.to_string()).into_iter().collect();
+    let notes = (!field.form.smoothed).then(|| noise_alone.to_string()).into_iter().collect();
     let answer = Answer::Fitted(FittedSurface::Height(Box::new(field.fit)));
     Found { answer, chosen: Some(chosen), lack_of_fit: Some(lack), notes }
 }

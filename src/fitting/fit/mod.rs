@@ -189,7 +189,7 @@ impl Fit {
     }
 
     /// Standard uncertainties at `points` places each way of the domain, input units; computed at every call. `None` where
-    /// nothing tells the noise, and where there are too many rows.
+    /// nothing tells the noise, and where there are too many unknowns for so many places.
     pub fn pointwise(&self, points: usize) -> Option<Vec<palpate_geometry::shape::PointSds>> {
         describe::pointwise::pointwise(&self.solved, points)
     }

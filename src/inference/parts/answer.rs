@@ -166,11 +166,7 @@ impl Findings<'_> {
 
     /// Whether many normals of a part point to its other side: signs were carried to it along ways that contradict each other.
     fn is_side_doubted(&self, primitive: &Primitive, members: &[u32]) -> bool {
-        let against = |i: &&u32| {
-            let (place, normal) = (self.cloud.points[**i as usize], self.cloud.normals[**i as usize]);
-            dot(primitive.nearest(place).1, normal) < 0.0
-        };
-        members.iter().filter(against).count() as f64 > self.tuning.side_doubted * members.len() as f64
+        share_against(self.cloud, primitive, members) > self.tuning.side_doubted
     }
 
     /// By what was found of the region as a whole, else by the means over its contacts.
@@ -238,6 +234,12 @@ fn largest_first(parts: &mut [Part], joints: &mut [Joint]) -> Vec<usize> {
     }
     joints.sort_by_key(|joint| joint.parts);
     number
+}
+
+/// Share of the normals of a primitive's contacts that point to its other side.
+pub(super) fn share_against(cloud: &Cloud, primitive: &Primitive, members: &[u32]) -> f64 {
+    let is_against = |i: usize| dot(primitive.nearest(cloud.points[i]).1, cloud.normals[i]) < 0.0;
+    members.iter().filter(|i| is_against(**i as usize)).count() as f64 / members.len().max(1) as f64
 }
 
 /// Mean S and R of a primitive over the places of its contacts, in the cloud's units.

@@ -6,7 +6,7 @@
 //!
 //! A part is grown over the neighbours of its contacts, which takes some two dozen of these. A ball of five touches is one part all the same.
 
-use super::answer::{class_of, extent, geometry, mean_shape};
+use super::answer::{class_of, extent, geometry, mean_shape, share_against};
 use super::cloud::Cloud;
 use super::result::{Part, PartUncertainty, Parts};
 use crate::bodies::{self, BodyPosterior, BodySample, Tuning, Verdict};
@@ -27,8 +27,7 @@ pub(super) fn one_of_few(points: &[Vector], normals: &[Vector], notes: Vec<Strin
     let is_sure = found.weight_of(kind) >= tuning.sure_of_few && kind != PartKind::Ellipsoid;
     let primitive = found.likeliest(kind).filter(|_| is_sure)?;
     let members: Vec<u32> = found.members_of(kind).iter().map(|i| *i as u32).collect();
-    let against = |i: &&u32| dot(primitive.nearest(cloud.points[**i as usize]).1, cloud.normals[**i as usize]) < 0.0;
-    let is_turned = !normals.is_empty() && 2 * members.iter().filter(against).count() > members.len();
+    let is_turned = !normals.is_empty() && share_against(&cloud, &primitive, &members) > 0.5;
     let primitive = Primitive { side: if is_turned { -primitive.side } else { primitive.side }, ..primitive };
     let node = found.best_of(kind)?;
     let mut labels = vec![None; points.len()];

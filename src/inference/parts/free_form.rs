@@ -11,7 +11,7 @@
 
 use super::cloud::Cloud;
 use super::hypothesis::sampled;
-use crate::recognition::{RecognitionOptions, flexible, own_axes};
+use crate::recognition::{FieldChoice, RecognitionOptions, flexible, own_axes};
 use palpate_fitting::fit::{Fit, FitOptions, Smooth, Statistic, fit_contacts_over};
 use palpate_geometry::contact::Contacts;
 use palpate_numeric::vector::{Vector, norm};
@@ -62,7 +62,7 @@ pub(super) fn free_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
 pub(super) fn predicted(cloud: &Cloud, most: usize) -> Option<f64> {
     let all: Vec<u32> = (0..cloud.len() as u32).collect();
     let (contacts, axes) = one_sided(cloud, &all, most)?;
-    let field = flexible(&contacts, axes, &FitOptions::default())?.ok()?;
+    let field = FieldChoice::of(&contacts, axes, &FitOptions::default())?;
     (field.error < PREDICTED * field.relief).then_some(field.error)
 }
 

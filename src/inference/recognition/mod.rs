@@ -55,6 +55,7 @@ pub use free_form::RecognisedSpline;
 pub use crate::bodies::Tuning;
 pub use contacts::NormalsUse;
 pub use error::RecognitionError;
+pub(crate) use free_form::FieldChoice;
 pub use free_form::{FieldForm, FieldRequest, Flexible, Pointwise, Shown, shown};
 pub use free_form::{flexible, own_axes};
 pub use hypothesis::Hypothesis;

@@ -23,7 +23,7 @@ const MOST_SOLVING: usize = 2_000_000_000;
 const FUNCTIONALS: usize = 8;
 
 /// Standard uncertainties at `points` places each way of the patch's domain, the second direction running fastest, input
-/// units; `None` where nothing tells the noise, or where there are too many rows to ask.
+/// units; `None` where nothing tells the noise, or where there are too many unknowns to ask.
 pub(in crate::fit) fn pointwise(solved: &Solved, points: usize) -> Option<Vec<PointSds>> {
     let equations = &solved.fitted.equations;
     let functionals = FUNCTIONALS * points * points;

@@ -125,10 +125,10 @@ mod tests {
         assert!(along_x < 0.7 && along_y > 1.4, "{along_x} {along_y}");
     }
 
-    /// With as many unknowns as rows a surface through all contacts is about as likely as a smooth one, and bends by noise alone.
+    /// With as many unknowns as rows, the equations of three of these hundred are so poor that a tiny lambda is lost in rounding.
     #[test]
     fn as_many_unknowns_as_contacts_follow_no_noise() {
-        for seed in 0..12 {
+        for seed in 0..100 {
             let mut generator = Lcg::new(seed);
             let mut one = || {
                 let [x, y] = [0, 1].map(|_| 12.0 * generator.uniform() - 6.0);

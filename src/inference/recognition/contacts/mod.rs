@@ -15,6 +15,7 @@ mod conic;
 mod derived_normals_test;
 mod excluded;
 mod frame;
+mod height_polynomial;
 mod input;
 mod rounding;
 mod scatter_within;

@@ -9,8 +9,9 @@
 //! not rounded, however round they are.
 
 use palpate_geometry::contact::{Frame, Rounding};
-use palpate_numeric::linalg::small::solve_leading;
 use palpate_numeric::vector::{Vector, minus, scaled};
+
+use super::height_polynomial::left_by_polynomial;
 
 /// Share of a rounding below which what is left of a quadric is none.
 const NOTHING: f64 = 1e-3;
@@ -18,6 +19,8 @@ const NOTHING: f64 = 1e-3;
 const FEWEST_HEIGHTS: [usize; 2] = [4, 7];
 /// Floors below this, in units of the patch, are below what the arithmetic holds.
 const ARITHMETIC: f64 = 1e-13;
+/// Fits one after the other, until numbers that lie on a polynomial leave rounding alone.
+const ROUNDS: usize = 3;
 /// Square of half a step over the variance of roundings.
 const WORST: f64 = 3.0;
 
@@ -96,23 +99,10 @@ fn is_exact(points: &[Vector], rounding: f64) -> bool {
     })
 }
 
-/// The largest residual of a polynomial with so many terms; fitted twice, which takes out what the ridge has left.
+/// The largest residual of a polynomial with so many terms; fitted again and again, which takes out what the ridge has left.
 fn left_of(points: &[Vector], terms: usize) -> f64 {
-    let row = |[x, y, _]: Vector| [1.0, x, y, x * x, x * y, y * y];
-    let mut normal = [[0.0; 6]; 6];
-    for row in points.iter().map(|p| row(*p)) {
-        (0..terms).for_each(|i| (0..=i).for_each(|j| normal[i][j] += row[i] * row[j]));
-    }
-    (0..terms).for_each(|i| normal[i][i] *= 1.0 + 1e-9);
-    let mut left: Vec<f64> = points.iter().map(|p| p[2]).collect();
-    for _ in 0..3 {
-        let mut right = [0.0; 6];
-        points.iter().zip(&left).for_each(|(p, d)| (0..terms).for_each(|i| right[i] += row(*p)[i] * d));
-        let Some(by) = solve_leading(normal, right, terms) else { return f64::INFINITY };
-        let at = |p: &Vector| (0..terms).map(|i| by[i] * row(*p)[i]).sum::<f64>();
-        points.iter().zip(&mut left).for_each(|(p, d)| *d -= at(p));
-    }
-    left.iter().fold(0.0, |most, d| most.max(d.abs()))
+    let left = left_by_polynomial(points, terms, ROUNDS);
+    left.map_or(f64::INFINITY, |left| left.iter().fold(0.0, |most, d| most.max(d.abs())))
 }
 
 #[cfg(test)]

@@ -9,8 +9,9 @@
 //! Where a cell bends by more, terms of third degree, which stay, would pass for scatter. An error that neighbours share changes little
 //! within a cell, so that the scatter is that of independent errors, and no shape or shared error may take its place.
 
-use palpate_numeric::linalg::small::solve_leading;
-use palpate_numeric::vector::{Vector, dot, minus};
+use palpate_numeric::vector::{Vector, dot, minus, norm};
+
+use super::height_polynomial::left_by_polynomial;
 
 /// Terms of a plane and of a quadric.
 const TERMS: [usize; 2] = [3, 6];
@@ -45,11 +46,13 @@ impl ScatterWithin {
         cell_of.iter().enumerate().for_each(|(contact, cell)| members[*cell].push(contact));
         let (mut squares, mut freedom) = ([0.0; 2], [0.0; 2]);
         for (cell, members) in members.iter().enumerate().filter(|(_, members)| members.len() >= FEWEST_IN_CELL) {
+            let from = |i: &usize| minus(feet[*i], middles[cell]);
+            let size = members.iter().map(|i| norm(from(i))).fold(0.0, f64::max);
             let place = |i: &usize| {
-                let from = minus(feet[*i], middles[cell]);
-                [dot(from, tangents[0][cell]), dot(from, tangents[1][cell]), distances[*i]]
+                let along = |side: usize| dot(from(i), tangents[side][cell]) / size;
+                [along(0), along(1), distances[*i]]
             };
-            let places: Vec<[f64; 3]> = members.iter().map(place).collect();
+            let places: Vec<Vector> = members.iter().map(place).collect();
             let left = TERMS.map(|terms| square_left(&places, terms));
             if let [Some(plane), Some(quadric)] = left {
                 for (k, square) in [plane, quadric].into_iter().enumerate() {
@@ -68,23 +71,8 @@ impl ScatterWithin {
 }
 
 /// Sum of squares that a polynomial of so many terms leaves; `None` where the places do not tell it.
-fn square_left(places: &[[f64; 3]], terms: usize) -> Option<f64> {
-    let size = places.iter().map(|[u, v, _]| u.hypot(*v)).fold(0.0, f64::max);
-    let row = |[u, v, _]: [f64; 3]| {
-        let (u, v) = (u / size, v / size);
-        [1.0, u, v, u * u, u * v, v * v]
-    };
-    let (mut normal, mut right) = ([[0.0; 6]; 6], [0.0; 6]);
-    for place in places {
-        let row = row(*place);
-        for i in 0..terms {
-            right[i] += row[i] * place[2];
-            (0..=i).for_each(|j| normal[i][j] += row[i] * row[j]);
-        }
-    }
-    let by = solve_leading(normal, right, terms)?;
-    let left = |place: &[f64; 3]| place[2] - (0..terms).map(|i| by[i] * row(*place)[i]).sum::<f64>();
-    let square: f64 = places.iter().map(|place| left(place).powi(2)).sum();
+fn square_left(places: &[Vector], terms: usize) -> Option<f64> {
+    let square: f64 = left_by_polynomial(places, terms, 1)?.iter().map(|left| left * left).sum();
     square.is_finite().then_some(square)
 }
 

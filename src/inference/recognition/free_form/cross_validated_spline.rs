@@ -77,6 +77,8 @@ const SHEETS: f64 = 0.7;
 pub struct Flexible {
     /// The fit to all contacts.
     pub fit: Fit,
+    /// Its form.
+    pub form: FieldForm,
     /// Fields tried, with the root mean square error of contacts left out.
     pub tried: Vec<(FieldForm, f64)>,
     /// That error of the number taken.
@@ -122,18 +124,19 @@ pub fn flexible(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) ->
 }
 
 /// A height field that was chosen and not fitted to all contacts yet.
-pub(super) struct FieldChoice {
+pub(crate) struct FieldChoice {
     form: FieldForm,
     axes: [Vector; 3],
     tried: Vec<(FieldForm, f64)>,
     /// Root mean square error of contacts left out.
-    pub(super) error: f64,
-    relief: f64,
+    pub(crate) error: f64,
+    /// Root mean square distance of the contacts, along z, from their best plane.
+    pub(crate) relief: f64,
 }
 
 impl FieldChoice {
     /// As [`flexible`].
-    pub(super) fn of(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) -> Option<FieldChoice> {
+    pub(crate) fn of(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) -> Option<FieldChoice> {
         let frame = Frame { axes, ..Frame::IDENTITY };
         let point = |r: usize| [contacts.x[r], contacts.y[r], contacts.z[r]];
         let points: Vec<Vector> =
@@ -159,12 +162,13 @@ impl FieldChoice {
 
     /// The field fitted to these contacts. A height field cannot take normals that point down; the positions are then fitted without normals.
     pub(super) fn fitted(self, contacts: &Contacts, options: &FitOptions) -> Result<Flexible, FitError> {
-        let options = self.form.among(options);
+        let FieldChoice { form, tried, error, relief, .. } = self;
+        let options = form.among(options);
         let fit = fit_contacts_over(contacts, self.axes, &options).or_else(|_| {
             let places = Contacts { orientation: Orientation::None, ..contacts.clone() };
             fit_contacts_over(&places, self.axes, &options)
         })?;
-        Ok(Flexible { fit, tried: self.tried, error: self.error, relief: self.relief })
+        Ok(Flexible { fit, form, tried, error, relief })
     }
 }
 
@@ -230,7 +234,7 @@ impl FieldSample {
         tried
     }
 
-    /// The same of smoothed fields, up to where finer ones predict no better.
+    /// The same of smoothed fields, up to where two finer ones predict no better.
     fn smoothed(&self, out: LeftOut) -> Vec<(FieldForm, f64)> {
         let mut tried: Vec<(FieldForm, f64)> = Vec::new();
         for segments in SMOOTHED_SEGMENTS {
@@ -240,9 +244,11 @@ impl FieldSample {
             else {
                 break;
             };
-            let is_worse = tried.last().is_some_and(|before| error >= before.1);
             tried.push((form, error));
-            if is_worse {
+            // along a narrow side two sizes may have the same segments, and the longer side alone predicts no better
+            if let [.., (_, before), (_, one), (_, two)] = tried[..]
+                && before <= one.min(two)
+            {
                 break;
             }
         }

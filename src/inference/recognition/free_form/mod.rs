@@ -15,6 +15,7 @@ mod pointwise;
 mod principal_axes;
 mod spline;
 
+pub(crate) use cross_validated_spline::FieldChoice;
 pub use cross_validated_spline::{FieldForm, Flexible, flexible};
 pub use model_selection::{FieldRequest, Shown, shown};
 pub(crate) use named_model_uncertainty::leaves_much_unsaid;

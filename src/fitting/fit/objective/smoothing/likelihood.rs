@@ -83,7 +83,7 @@ impl RestrictedLikelihood<'_> {
 
     /// Whether a number may be the derivative by ln lambda: both of its terms lie between 0 and the rows, or the unknowns. Where lambda is lost
     /// beside the rows' own rounding, and these are no more than the unknowns, the numbers are a thousand times as large, and one of them
-    /// would send the search there: noise was then shape (S of 64 contacts on a ring off by 0.66).
+    /// would send the search there, where all noise is shape.
     fn is_slope(&self, by_lambda: f64) -> bool {
         by_lambda.abs() <= self.bare.count().max(self.bare.unknowns()) as f64
     }
