@@ -4,10 +4,13 @@
 //! d = a0 + a1 u + a2 v [+ a3 u^2 + a4 u v + a5 v^2] + e       u, v of a contact in its cell, along the two tangents; d its distance
 //! S_3, S_6                                                    sums of squares that planes and quadrics leave in all cells
 //! told    S_3 / f_3 < 2 S_6 / f_6                             cells bend by less than contacts scatter; f: degrees of freedom
+//! s^2 >= S/f                                                  S = S_6 over the mean number of contacts in a cell
 //! ```
 //!
 //! Where a cell bends by more, terms of third degree, which stay, would pass for scatter. An error that neighbours share changes little
-//! within a cell, so that the scatter is that of independent errors, and no shape or shared error may take its place.
+//! within a cell, so that the scatter is that of independent errors, and no shape or shared error may take its place. The mean of a cell
+//! errs by no less than its contacts tell, and by more where no surface that is tried follows it: a thousand contacts a cell know
+//! it better than any spline.
 
 use palpate_numeric::vector::{Vector, dot, minus, norm};
 
@@ -18,6 +21,11 @@ const TERMS: [usize; 2] = [3, 6];
 
 /// Contacts of a cell from which on a quadric leaves some scatter.
 const FEWEST_IN_CELL: usize = 9;
+
+/// Contacts in a cell, on the mean, up to which the scatter is asked: by more of them a mean is known to less than a tenth of a contact's error,
+/// which the splines of a departure do not follow, and a bound that low sends the search to other errors instead. An image of 640 x 480
+/// with slopes had S off by twice as much with it, one of 160 x 120 by less.
+const MOST_IN_CELL: f64 = 100.0;
 
 /// Degrees of freedom from which on the scatter is told: to a twentieth.
 const FEWEST_FREEDOM: f64 = 200.0;
@@ -35,6 +43,32 @@ pub(crate) struct ScatterWithin {
 }
 
 impl ScatterWithin {
+    /// Variance of an average cell that makes a sum of squares with these degrees of freedom likeliest, beside the scatter where that says
+    /// more.
+    pub(crate) fn variance_beside(&self, square: f64, freedom: f64) -> f64 {
+        let own = square / freedom;
+        if self.exceeds(own) { (square + self.square) / (freedom + self.freedom) } else { own }
+    }
+
+    /// Twice the negative log likelihood of the scatter under a variance of an average cell.
+    pub(crate) fn deviance(&self, variance: f64) -> f64 {
+        if self.freedom == 0.0 {
+            return 0.0;
+        }
+        let variance = if self.exceeds(variance) { variance } else { self.square / self.freedom };
+        self.freedom * variance.ln() + self.square / variance
+    }
+
+    /// Degrees of freedom that the scatter adds to this variance.
+    pub(crate) fn freedom_beside(&self, variance: f64) -> f64 {
+        if self.exceeds(variance) { self.freedom } else { 0.0 }
+    }
+
+    /// Whether contacts scatter by more than this variance of an average cell.
+    fn exceeds(&self, variance: f64) -> bool {
+        self.square > variance * self.freedom
+    }
+
     /// Of contacts with these feet at these distances from a surface near them, in cells with these `middles` and tangents of it there.
     pub(crate) fn of(
         cell_of: &[usize],
@@ -42,6 +76,10 @@ impl ScatterWithin {
         tangents: &[Vec<Vector>; 2],
         distances: &[f64],
     ) -> ScatterWithin {
+        let per_cell = cell_of.len() as f64 / middles.len() as f64;
+        if per_cell > MOST_IN_CELL {
+            return ScatterWithin::default();
+        }
         let mut members = vec![Vec::new(); middles.len()];
         cell_of.iter().enumerate().for_each(|(contact, cell)| members[*cell].push(contact));
         let (mut squares, mut freedom) = ([0.0; 2], [0.0; 2]);
@@ -65,7 +103,6 @@ impl ScatterWithin {
         if freedom[1] < FEWEST_FREEDOM || of_planes >= BENT * of_quadrics {
             return ScatterWithin::default();
         }
-        let per_cell = cell_of.len() as f64 / middles.len() as f64;
         ScatterWithin { square: squares[1] / per_cell, freedom: freedom[1] }
     }
 }
@@ -108,6 +145,18 @@ mod tests {
         assert!(found.freedom > 2000.0);
         let sd = (found.square / found.freedom * COUNT as f64 / (SIDE * SIDE) as f64).sqrt();
         assert!((sd / 0.01 - 1.0).abs() < 0.05, "{sd}");
+    }
+
+    #[test]
+    fn means_err_by_no_less_than_contacts_tell_and_may_err_by_more() {
+        let found = within(0.01, |x, _| 0.05 * x * x);
+        let told = found.square / found.freedom;
+        assert!((found.variance_beside(100.0 * 0.1 * told, 100.0) / told - 1.0).abs() < 0.1);
+        assert_eq!(found.variance_beside(64.0 * 9.0 * told, 64.0), 9.0 * told);
+        assert!(found.deviance(0.1 * told) > found.deviance(told) + 100.0);
+        assert_eq!(found.deviance(9.0 * told), found.deviance(told));
+        assert_eq!([0.1, 9.0].map(|times| found.freedom_beside(times * told)), [found.freedom, 0.0]);
+        assert_eq!(ScatterWithin::default().deviance(told), 0.0);
     }
 
     #[test]

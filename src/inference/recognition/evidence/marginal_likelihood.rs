@@ -3,7 +3,7 @@
 //! ```text
 //! whitened y, J, Z;  Z with prior identity is eliminated:  G = I + Z'Z,  H = J'J - J'Z G^-1 Z'J,  x = -H^-1 (J'y - J'Z G^-1 Z'y)
 //! log ev = -(log det Sigma + log det G + RSS + log det(H/2 pi) + f log s^2 + S/s^2)/2 + log prior(node) + log prior(shape)
-//! s^2 = (RSS + S)/(n - p + f)      S, f: scatter of contacts within their cells and its degrees of freedom
+//! s^2 = RSS/(n - p); where that is below S/f, (RSS + S)/(n - p + f)      S, f: scatter of contacts within cells (`scatter_within.rs`)
 //! p(R) = (2/pi)/(1 + R^2)    sphere p(R)/2    cylinder p(R)/(2 sqrt2 pi |k|)    general p(R)/(2 pi^2 R max(|k1 - k2|, its sd))
 //! ```
 //!
@@ -109,9 +109,8 @@ impl<'a> Evidence<'a> {
         let system = self.system(kind, white, variance, departure)?;
         let log_det_h = dense::log_det(&system.lower) - p as f64 * (2.0 * PI).ln();
         let within = self.cells.within;
-        let of_scatter = within.freedom * variance.ln() + within.square / variance;
         let of_means = white.log_det + n as f64 * variance.ln() + system.log_det + system.rss + log_det_h;
-        let likelihood = -0.5 * (of_means + of_scatter);
+        let likelihood = -0.5 * (of_means + within.deviance(variance));
         let log_evidence = likelihood
             + kernel.log_prior
             + size
@@ -127,7 +126,7 @@ impl<'a> Evidence<'a> {
             log_evidence,
             x: system.x,
             precision: system.lower,
-            dof: (self.rows_of_noise() + within.freedom - p as f64).max(1.0),
+            dof: (self.rows_of_noise() + within.freedom_beside(variance) - p as f64).max(1.0),
         })
     }
 
@@ -174,8 +173,7 @@ impl<'a> Evidence<'a> {
         // a ring of contacts does not determine a surface without its normals
         let Some(plain) = rss(Departure::None, 0.0) else { return self.joint_variance(kind, white) };
         let plain = plain.max(1e-30);
-        let within = self.cells.within;
-        let pooled = |rss: f64| (rss + within.square) / ((n - p) as f64 + within.freedom);
+        let pooled = |rss: f64| self.cells.within.variance_beside(rss, (n - p) as f64);
         let of =
             |departure: Departure, natural: f64| Some(pooled(rss(departure, natural)?.max(1e-12 * plain)).max(1e-18));
         match departure {
