@@ -5,7 +5,8 @@
 //!                             q = (rho, h)    a body of revolution: turned on a lathe or a wheel
 //!                             q = (x, y)      a body that is the same all along a line: an extrusion
 //! every form    rated about its base, the likeliest of each symmetry followed to its mode by steps of Gauss's and Newton's
-//! an answer     where contacts left out lie as near as its scatter says, and far nearer than to the primitive
+//! an answer     where contacts left out lie as near as its scatter says, and far nearer than to the primitive,
+//!               and where it does not meet itself within that scatter
 //! ```
 //!
 //! That is a gaussian-process implicit surface whose mean is a primitive: O. Williams and A. Fitzgibbon, *Gaussian Process Implicit
@@ -24,7 +25,7 @@ use super::search::modes;
 use super::symmetry::{FreeBody, symmetric_forms};
 use super::tuning::Tuning;
 use palpate_numeric::statistics::{Rank, mad, quantile};
-use palpate_numeric::vector::Vector;
+use palpate_numeric::vector::{Vector, along};
 
 /// One contact of so many is left out.
 const LEFT_OUT: usize = 5;
@@ -94,6 +95,7 @@ fn likeliest_modes(forms: Vec<FreeBody>, sample: &BodySample, tuning: &Tuning) -
     let of = |over: DepartureOver| {
         let own = rated.iter().filter(move |mode| mode.over == over).take(tuning.free_followed);
         let followed = own.filter_map(|mode| mode.again(few, sample, tuning));
+        let followed = followed.filter(|mode| !mode.folds_within_its_scatter(sample, tuning));
         followed.max_by(|a, b| a.best.log_evidence.total_cmp(&b.best.log_evidence))
     };
     [DepartureOver::Space, DepartureOver::Turned, DepartureOver::Extruded].into_iter().filter_map(of).collect()
@@ -180,6 +182,19 @@ impl FreeMode {
     /// Sd of a contact, by the median of the distances.
     fn scatter(&self, sample: &BodySample) -> f64 {
         mad(sample.points.iter().map(|p| self.surface.distance(*p))).max(sample.floor[0])
+    }
+
+    /// Whether contacts have another sheet of it nearer than they scatter, so that they do not say on which they lie: a surface that is wound
+    /// through a volume.
+    fn folds_within_its_scatter(&self, sample: &BodySample, tuning: &Tuning) -> bool {
+        let far = tuning.sheets_apart * self.best.scatter();
+        let is_beside_another = |i: &usize| {
+            let (foot, outwards) = self.surface.over(sample.points[*i]);
+            [-far, far].into_iter().any(|by| self.surface.distance(along(foot, by, outwards)).abs() < 0.5 * far)
+        };
+        let own = self.mode.members();
+        let folded = own.iter().filter(|i| is_beside_another(i)).count();
+        folded as f64 > tuning.doubtful * own.len() as f64
     }
 
     fn belonging(&self, all: &BodySample, tuning: &Tuning) -> Vec<usize> {

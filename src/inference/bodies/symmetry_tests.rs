@@ -41,6 +41,15 @@ fn touched_vase(count: usize, generator: &mut Lcg) -> BodySample {
     BodySample::new(&(0..count).map(one).collect::<Vec<Vector>>(), &[], [0.0; 2]).unwrap()
 }
 
+/// A cloud that fills a ball or a box and lies on no surface.
+fn filling(count: usize, is_box: bool, generator: &mut Lcg) -> BodySample {
+    let one = |_| {
+        let draw = |generator: &mut Lcg| if is_box { 2.0 * generator.uniform() - 1.0 } else { gaussian(generator) };
+        [draw(generator), draw(generator), draw(generator)]
+    };
+    BodySample::new(&(0..count).map(one).collect::<Vec<Vector>>(), &[], [0.0; 2]).unwrap()
+}
+
 /// An ellipse of half axes 2 and 1.2 drawn along a line, with normals.
 fn touched_tube(count: usize, generator: &mut Lcg) -> BodySample {
     let [a, b, _] = tilted();
@@ -274,4 +283,14 @@ fn places_of_a_bottle(seed: u64) -> (usize, usize) {
         }
     }
     (known, inwards)
+}
+
+#[test]
+fn a_cloud_that_fills_a_volume_is_no_surface() {
+    let tuning = Tuning::default();
+    for seed in 1..=12 {
+        let mut generator = Lcg::new(300 + seed);
+        let sample = filling(200, seed % 2 == 0, &mut generator);
+        assert!(free_surface(&sample, &tuning).is_none(), "{seed}");
+    }
 }

@@ -77,6 +77,8 @@ pub struct Tuning {
     pub free_features: usize,
     /// Root mean square error at contacts left out, over that of the best primitive, up to which a free surface is an answer.
     pub free_predicts: f64,
+    /// Standard deviations of a contact that a free surface may go to both sides without meeting itself, or it is none.
+    pub sheets_apart: f64,
     /// Share of all contacts that each of two things has at least, counting with the second what both leave out, and that is looked for as one
     /// thing of many: one face of a cube has a sixth.
     pub other_things: f64,
@@ -133,7 +135,8 @@ pub struct Tuning {
     pub clearly: f64,
     /// Spread across a line over that along it, below which contacts are one row: a row lies on many surfaces and is no thing.
     pub row: f64,
-    /// Share of contacts or normals set aside from which on a patch is doubted.
+    /// Share of contacts or normals set aside from which on a patch is doubted, and of contacts beside another sheet of a free surface from
+    /// which on that is none.
     pub doubtful: f64,
     /// Share of the given normals that turn away from a patch's middle by more than a patch may, from which on it is judged as a body.
     pub farther_round: f64,
@@ -196,6 +199,7 @@ impl Default for Tuning {
             free_contacts: 600,
             free_features: 240,
             free_predicts: 0.5,
+            sheets_apart: 2.0,
             other_things: 0.15,
             patch_reach_deg: 60.0,
             two_peaks: 1.8,
