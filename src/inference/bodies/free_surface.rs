@@ -40,7 +40,8 @@ struct FreeMode {
     best: BodyHypothesis,
 }
 
-/// The posterior of a free surface; `None` where contacts are too few, or do not tell each other's place.
+/// The posterior of a free surface; `None` where contacts are too few, or do not tell each other's place. Of more than
+/// [`Tuning::free_contacts`] none is said to be its own: [`with_own_contacts`] says it where the surface is the answer, for it is asked of each.
 pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPosterior> {
     let sample = &all.at_most(tuning.free_contacts);
     if sample.len() < tuning.free_from[usize::from(sample.known_normals() == 0)] {
@@ -59,10 +60,20 @@ pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPost
         let own = linearised.departed_nodes_near(primitives.len(), &tuning.free_sizes, tuning);
         nodes.extend(own);
         primitives.push(linearised.primitive);
-        members.push(found.belonging(all, tuning));
+        members.push(if sample.len() == all.len() { found.belonging(all, tuning) } else { Vec::new() });
     }
     let (nodes, weights, log_evidence) = normalised(nodes, tuning)?;
     Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: true })
+}
+
+/// The same with those of all contacts that lie on its likeliest surface, by what a contact scatters.
+pub(crate) fn with_own_contacts(mut found: BodyPosterior, all: &BodySample, tuning: &Tuning) -> BodyPosterior {
+    let Some(best) = found.best_of(found.kind()).filter(|_| all.len() > tuning.free_contacts) else { return found };
+    let of = best.of;
+    let surface = DrawnBase::likeliest(best.likeliest(&found.primitives[of]), best);
+    let far = tuning.belongs * best.scatter();
+    found.members[of] = (0..all.len()).filter(|i| surface.distance(all.points[*i]).abs() <= far).collect();
+    found
 }
 
 /// By which a mode is found.

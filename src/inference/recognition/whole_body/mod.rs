@@ -35,6 +35,9 @@ const ROUNDING: f64 = 1e-9;
 /// Contacts needed without and with normals: a ball's four unknowns and one more row.
 pub(super) const NEEDED: [usize; 2] = [5, 3];
 
+/// Contacts whose distance from a patch is asked at most: their scatter is known to a hundredth.
+const ASKED: usize = 10_000;
+
 /// The body's answer where the patch has none or a doubtful one.
 ///
 /// # Errors
@@ -67,10 +70,12 @@ pub(super) fn instead(
         },
         Verdict::One(posterior) => one_instead(patch, doubt, &question.of(&posterior)),
         Verdict::Free(free, one) => {
-            let (free, one) = (question.of(&free), one.as_deref().map(|one| question.of(one)));
+            let one = one.as_deref().map(|one| question.of(one));
             let is_of_kind = one.is_some_and(|one| one.is_of_simple_kind());
             match one {
-                _ if !is_of_kind && free_stands(&patch, doubt, &free) => free.checked(),
+                _ if !is_of_kind && free_stands(&patch, doubt, &question.of(&free)) => {
+                    question.of(&bodies::with_own_contacts(*free, &sample, &options.tuning)).checked()
+                }
                 Some(one) => one_instead(patch, doubt, &one),
                 None => none_instead(patch, doubt, normals),
             }
@@ -124,8 +129,8 @@ fn free_stands(patch: &Result<Recognition, RecognitionError>, doubt: PatchDoubt,
 /// follows them and by much where it is of a kind.
 fn serves(found: &Recognition, doubt: PatchDoubt, closes: bool, free: &answer::BodyAnswer) -> bool {
     let (points, tuning) = (&free.given.points, &free.options.tuning);
-    let square: f64 = points.iter().map(|p| found.surface.distance(*p).powi(2)).sum();
-    let rms = (square / points.len() as f64).sqrt();
+    let off = distances(found, points);
+    let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
     let scatter = free.posterior.best_of(free.posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
     let is_farther = |times: f64| times * free.sample.frame.scale * scatter <= rms;
     let far = 1.0 / tuning.sharper;
@@ -179,14 +184,19 @@ pub(super) fn within_its_noise(
     given: &Observations,
     tuning: &Tuning,
 ) -> Result<Recognition, RecognitionError> {
-    let off: Vec<f64> = given.points.iter().map(|p| found.surface.distance(*p)).collect();
+    let off = distances(&found, &given.points);
     let most = (found.noise.sd_of_contact() / tuning.sharper).max(ROUNDING * found.frame.scale);
     if mad(off.iter().copied()) <= most {
         return Ok(found);
     }
     let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
-    let outliers = 100.0 * found.outliers as f64 / off.len() as f64;
+    let outliers = 100.0 * found.outliers as f64 / given.points.len() as f64;
     Err(RecognitionError::NotOneSheet { misfit: 100.0 * rms / found.frame.scale, outliers })
+}
+
+/// Of contacts from a patch, of very many those of a part, evenly among all.
+fn distances(found: &Recognition, points: &[Vector]) -> Vec<f64> {
+    points.iter().step_by(points.len().div_ceil(ASKED).max(1)).map(|p| found.surface.distance(*p)).collect()
 }
 
 /// Why a patch is no answer.
@@ -295,12 +305,12 @@ fn has_two_peaks(found: &Recognition, given: &Observations, tuning: &Tuning) -> 
         return false;
     }
     let (mut second, mut fourth) = (0.0, 0.0);
-    for p in &given.points {
-        let square = found.surface.distance(*p).powi(2);
+    let off = distances(found, &given.points);
+    for square in off.iter().map(|d| d * d) {
         second += square;
         fourth += square * square;
     }
-    fourth * (given.points.len() as f64) < tuning.two_peaks * second * second
+    fourth * (off.len() as f64) < tuning.two_peaks * second * second
 }
 
 fn all_around(normals: &[Vector]) -> RecognitionError {
