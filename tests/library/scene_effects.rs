@@ -300,6 +300,22 @@ fn normal_noise() {
     }
 }
 
+/// Deterministic: every normal by one rotation, the points where they were.
+#[test]
+fn a_sensor_that_sits_askew_turns_every_normal_alike() {
+    for tilt in [[20.0, 0.0, 0.0], [0.0, -35.0, 0.0], [1e-9, 0.0, 0.0]] {
+        let simulator = compiled(sphere(), one_site(1.0), Effect::normal_noise(0.0).with_normal_tilt(tilt));
+        let turned = compiled(sphere(), one_site(1.0), Effect::misalignment(tilt, [0.0; 3]));
+        let (mut one, mut other) = (ContactBatch::default(), ContactBatch::default());
+        simulator.simulate_batch(42, 0, LANES, &mut one);
+        turned.simulate_batch(42, 0, LANES, &mut other);
+        assert!(one.points.iter().all(|point| *point == touch(&simulator).0));
+        one.normals.iter().zip(&other.normals).for_each(|(n, m)| assert_close("normal", *n, *m, 1e-15));
+    }
+    let misplaced = World::new(sphere(), one_site(1.0)).with(Effect::dropout(0.1).with_normal_tilt([1.0, 0.0, 0.0]));
+    assert!(misplaced.compile().unwrap_err().to_string().contains("belongs to normal_noise"));
+}
+
 /// One joint: exact trigonometric moments; three joints: sigma^2 J J' from the geometry of the default arm.
 fn encoder() {
     let (length, sigma_deg) = (10.0, 8.0_f64);

@@ -118,7 +118,7 @@ pub fn noise_of(world: &World) -> [Option<f64>; 2] {
         _ => None,
     });
     let normal = world.effects.iter().find_map(|effect| match &effect.kind {
-        Kind::NormalNoise(NormalNoise { sigma_deg }) => Some(sigma_deg.to_radians()),
+        Kind::NormalNoise(NormalNoise { sigma_deg, .. }) => Some(sigma_deg.to_radians()),
         _ => None,
     });
     [z.filter(|z| *z > 0.0), normal.filter(|n| *n > 0.0)]

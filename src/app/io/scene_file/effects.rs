@@ -95,13 +95,17 @@ struct PositionNoiseKeys {
     covariance: Option<[[f64; 3]; 3]>,
 }
 
-/// Normals are off by chance.
+/// Normals are off by chance, and all alike where a sensor sits askew.
 #[derive(Deserialize, JsonSchema)]
 #[serde(remote = "world::NormalNoise")]
 struct NormalNoiseKeys {
     /// Standard deviation per tangent axis, degrees.
     #[schemars(example = 3.0, range(min = 0), extend("x-needed" = "the sd per tangent axis, degrees, is needed"))]
     sigma_deg: f64,
+    /// Angles about x, y, z by which all normals are turned, degrees.
+    #[serde(default)]
+    #[schemars(example = [2.0, 0.0, 0.0])]
+    tilt_deg: [f64; 3],
 }
 
 /// All slopes are measured too steep, or too flat, by one factor.
