@@ -1,7 +1,7 @@
 //! Remarks that a user should see beside the answer.
 //!
 //! ```text
-//! what the contacts leave open (signs, the free side)      what was taken for an error (normals, a gain, a departure, places)
+//! what the contacts leave open (signs, the free side)      what was taken for an error (normals, a gain, a tilt, a departure, places)
 //! ```
 
 /// What belongs to the answer of a recognition; printed, it is a whole sentence.
@@ -23,6 +23,11 @@ pub enum Remark {
     Gain {
         /// That factor less 1: above zero, the normals are too steep.
         gain: f64,
+    },
+    /// The normals are all turned by one angle against the surface that positions show.
+    Tilt {
+        /// That angle, degrees.
+        degrees: f64,
     },
     /// A departure from the simple shapes is read as shape, and may be an error of the sensor.
     DepartureAsShape {
@@ -95,6 +100,11 @@ impl std::fmt::Display for Remark {
                 100.0 * gain.abs(),
                 if *gain > 0.0 { "steeper" } else { "flatter" }
             ),
+            Remark::Tilt { degrees } => write!(
+                f,
+                "the normals are all turned by {degrees:.1} degrees against the surface that the positions show, as by a sensor that sits \
+                 askew: S and R do not change by that"
+            ),
             Remark::DepartureAsShape { percent } => write!(
                 f,
                 "a departure of {percent:.1} % of the relief is read as shape, but may be an error of the sensor: the intervals \
@@ -159,6 +169,11 @@ mod tests {
             said(Remark::Gain { gain: -0.304 }),
             "the normals are 30 % flatter than the positions say, all alike: how strongly the surface bends was taken from the positions; \
              --ignore-normals does without normals"
+        );
+        assert_eq!(
+            said(Remark::Tilt { degrees: 7.91 }),
+            "the normals are all turned by 7.9 degrees against the surface that the positions show, as by a sensor that sits askew: S and R \
+             do not change by that"
         );
         assert_eq!(
             said(Remark::DepartureAsShape { percent: 3.21 }),

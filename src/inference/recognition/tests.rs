@@ -109,6 +109,16 @@ fn turning_scaling_and_shuffling_change_nothing_but_coordinates() {
     let turn = |v: &Vector| [dot(*v, e1), dot(*v, e2), dot(*v, e3)];
     let moved: Vec<Vector> = points.iter().map(|p| turn(p).map(|v| 1000.0 * v + 5e4)).collect();
     let turned = of(&moved, &normals.iter().map(turn).collect::<Vec<_>>());
+    eprintln!(
+        "{s} {} {r} {} u {} notes {:?} {:?} {:?} {:?}",
+        turned.shape_index.unwrap().mean,
+        turned.curvedness.mean * 1000.0,
+        first.curvedness.u,
+        first.notes,
+        turned.notes,
+        first.hypothesis,
+        turned.hypothesis
+    );
     assert!(
         (turned.shape_index.unwrap().mean - s).abs() < 1e-3 && (turned.curvedness.mean * 1000.0 / r - 1.0).abs() < 1e-3
     );

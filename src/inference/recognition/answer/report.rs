@@ -280,9 +280,15 @@ impl Findings<'_> {
         Some(Remark::Gain { gain })
     }
 
+    /// By how much the normals are all turned; `None` where they may not be.
+    fn tilt(&self, best: &Node) -> Option<Remark> {
+        let degrees = self.linearised.tilt.as_ref()?.angle_deg(&self.evidence.coefficients(best)?)?;
+        Some(Remark::Tilt { degrees })
+    }
+
     fn notes(&self, best: &Node, misfit: &Misfit, class: ShapeClass) -> Vec<Remark> {
         let mut notes = self.patch.notes.clone();
-        notes.extend(self.gain(best));
+        notes.extend(self.gain(best).into_iter().chain(self.tilt(best)));
         if self.weights.displacement_is_error() {
             let percent = 100.0 * self.weights.size;
             notes.push(match self.weights.taken_for_shape {

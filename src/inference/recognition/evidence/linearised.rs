@@ -10,7 +10,7 @@ use crate::recognition::contacts::Cells;
 use crate::recognition::discrepancy::{DepartureResolution, Displacement, Forms};
 use crate::recognition::equations::{Moved, Rows, first_of_displacement};
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::noise::{Factors, Gain, NormalNoise};
+use crate::recognition::noise::{Factors, Gain, NormalNoise, Tilt};
 use palpate_numeric::vector::Vector;
 
 /// Factors of the covariances of positions and of normals.
@@ -52,6 +52,8 @@ pub(crate) struct Linearised {
     pub(crate) normal_noise: Option<NormalNoise>,
     /// Gram matrix of the whitened normal rows.
     pub(crate) normals: Option<Mat<f64>>,
+    /// Where all normals may be turned by one angle.
+    pub(crate) tilt: Option<Tilt>,
     /// Where all normals may be too steep by one factor.
     pub(crate) gain: Option<Gain>,
     /// Where departures stand over a plane instead of a curved surface: what its longer rows add to the log evidence.
@@ -72,6 +74,7 @@ impl Linearised {
             rows,
             normal_noise: None,
             normals: None,
+            tilt: None,
             gain: None,
             over_plane: None,
         };
@@ -83,6 +86,14 @@ impl Linearised {
     pub(super) fn with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
         let gain = Some(Gain::new(cells, &self.models, None)?);
         let mut made = Linearised { gain, ..self.clone() };
+        made.weigh_normals(NormalNoise::find(&self.rows, factors.normals(), 0.0), factors);
+        Some(made)
+    }
+
+    /// The same equations where all normals may be turned by one angle; `None` where they cannot.
+    pub(super) fn with_tilt(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
+        let tilt = Some(Tilt::new(cells)?);
+        let mut made = Linearised { tilt, ..self.clone() };
         made.weigh_normals(NormalNoise::find(&self.rows, factors.normals(), 0.0), factors);
         Some(made)
     }
@@ -99,7 +110,18 @@ impl Linearised {
         let mut gain = Gain::new(cells, &self.models, None)?;
         let mut noise = NormalNoise::find(&self.rows, factors.normals(), 0.0);
         let of_models = self.rows.of_models();
-        let gram = noise.as_mut().and_then(|noise| noise.gram(&of_models, factors.normals(), Some(&mut gain)));
+        let mut tilt = self.tilt.clone();
+        let of = |noise: &mut NormalNoise| noise.gram(&of_models, factors.normals(), tilt.as_mut(), Some(&mut gain));
+        let gram = noise.as_mut().and_then(of);
+        Some(NormalsTold { noise, gram })
+    }
+
+    /// The same where all normals may be turned by one angle; `None` where they cannot.
+    pub(super) fn told_with_tilt(&self, cells: &Cells, factors: &FactorPair) -> Option<NormalsTold> {
+        let mut tilt = Tilt::new(cells)?;
+        let mut noise = NormalNoise::find(&self.rows, factors.normals(), 0.0);
+        let of_models = self.rows.of_models();
+        let gram = noise.as_mut().and_then(|noise| noise.gram(&of_models, factors.normals(), Some(&mut tilt), None));
         Some(NormalsTold { noise, gram })
     }
 
@@ -120,8 +142,9 @@ impl Linearised {
     /// Lets the normals have errors of this covariance, and a gain.
     fn weigh_normals(&mut self, noise: Option<NormalNoise>, factors: &FactorPair) {
         self.normal_noise = noise;
-        let gain = self.gain.as_mut();
-        self.normals = self.normal_noise.as_mut().and_then(|noise| noise.gram(&self.rows, factors.normals(), gain));
+        let (gain, tilt) = (self.gain.as_mut(), self.tilt.as_mut());
+        let gram = |noise: &mut NormalNoise| noise.gram(&self.rows, factors.normals(), tilt, gain);
+        self.normals = self.normal_noise.as_mut().and_then(gram);
     }
 
     /// The same equations with normals that err independently, by as much as differences between neighbours say; `None` where
@@ -164,6 +187,7 @@ impl Linearised {
             rows,
             normal_noise: None,
             normals: None,
+            tilt: self.tilt.clone(),
             gain,
             over_plane,
         };

@@ -1,17 +1,17 @@
 //! Which equations explain the contacts best: about plain kinds, about a displaced surface, with normals that are believed, about a
-//! surface that departs from a plane, or with normals that are all too steep.
+//! surface that departs from a plane, or with normals that are all turned or all too steep.
 //!
 //! ```text
 //! looks: plain -> displaced where likely (relinearise.rs) -> normals believed -> a finer displacement
-//!        -> over a plane (discrepancy_over_plane.rs) -> a gain of the normals (noise/gain.rs)
-//! taken: the last whose highest log evidence, less log(20) for a gain, exceeds that of the look before;
-//!        a gain only where the log likelihood of its likeliest surface does so, too
+//!        -> over a plane (discrepancy_over_plane.rs) -> a tilt (noise/tilt.rs) and a gain (noise/gain.rs) of the normals
+//! taken: the last whose highest log evidence, less log(20) for a tilt or a gain, exceeds that of the look before;
+//!        these only where the log likelihood of their likeliest surface does so, too
 //! ```
 
 use crate::recognition::contacts::Cells;
 use crate::recognition::discrepancy::DepartureResolution;
 use crate::recognition::equations::slopes;
-use crate::recognition::noise::{Limit, RARE_GAIN};
+use crate::recognition::noise::{Limit, RARE_ERROR};
 
 use super::discrepancy_over_plane::{OverPlane, over_plane};
 use super::evidence_grid::PartialEvidence;
@@ -97,26 +97,43 @@ impl<'a> SearchContext<'a> {
     }
 
     /// Equations with a gain of the normals; `None` where it would explain too little of a surface without departures, nothing of a
-    /// displaced one, or is no likelier than what was chosen: under the kernel of that, or where neighbours share no errors.
+    /// displaced one, or is no likelier than what was chosen.
     fn with_gain(&self, plain: &Linearised, chosen: &SearchedModel) -> Option<(Linearised, Look)> {
         let likeliest = likeliest_node(chosen)?;
         if likeliest.is_displaced() && !self.gains(chosen, likeliest)? {
             return None;
         }
-        // a look at the kinds alone costs little, and mostly suffices
-        let of =
-            |told: &NormalsTold| Evidence::of_plain_kinds(self.cells, plain, told, &self.factors.positions, self.limit);
-        if !likeliest.is_displaced()
-            && of(&plain.told_with_gain(self.cells, self.factors)?)? <= of(&plain.told())? + RARE_GAIN
-        {
+        if !likeliest.is_displaced() && !self.tells_more(plain, &plain.told_with_gain(self.cells, self.factors)?)? {
             return None;
         }
-        let gained = plain.with_gain(self.cells, self.factors)?;
-        let kernels = if likeliest.kernel == 0 { &[0][..] } else { &[0, likeliest.kernel] };
-        let looked = kernels.iter().map(|kernel| self.glance(&gained, *kernel));
+        self.glanced(plain.with_gain(self.cells, self.factors)?, chosen)
+    }
+
+    /// Equations with normals that are all turned; `None` where that explains too little of a surface without departures, or is no likelier
+    /// than what was chosen.
+    fn with_tilt(&self, plain: &Linearised, chosen: &SearchedModel) -> Option<(Linearised, Look)> {
+        if !self.tells_more(plain, &plain.told_with_tilt(self.cells, self.factors)?)? {
+            return None;
+        }
+        self.glanced(plain.with_tilt(self.cells, self.factors)?, chosen)
+    }
+
+    /// Whether the kinds alone are likelier with an error that all normals share: a look at them costs little, and mostly suffices.
+    fn tells_more(&self, plain: &Linearised, told: &NormalsTold) -> Option<bool> {
+        let of =
+            |told: &NormalsTold| Evidence::of_plain_kinds(self.cells, plain, told, &self.factors.positions, self.limit);
+        Some(of(told)? > of(&plain.told())? + RARE_ERROR)
+    }
+
+    /// These equations, or those about their displaced surface; `None` where they are no likelier than what was chosen, under the kernel of
+    /// that or where neighbours share no errors.
+    fn glanced(&self, made: Linearised, chosen: &SearchedModel) -> Option<(Linearised, Look)> {
+        let kernel = likeliest_node(chosen)?.kernel;
+        let kernels = if kernel == 0 { &[0][..] } else { &[0, kernel] };
+        let looked = kernels.iter().map(|kernel| self.glance(&made, *kernel));
         let (again, reached) = looked.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let made = again.map_or((gained, Look::First), |again| (again, Look::Second));
-        (reached > height(chosen) + RARE_GAIN).then_some(made)
+        let made = again.map_or((made, Look::First), |again| (again, Look::Second));
+        (reached > height(chosen) + RARE_ERROR).then_some(made)
     }
 }
 
@@ -133,6 +150,12 @@ fn likeliest_node<'s>(seen: &'s SearchedModel) -> Option<&'s Node> {
 fn fits(seen: &SearchedModel, factors: &FactorPair) -> Option<f64> {
     let of_contacts = seen.1.0.log_likelihood(likeliest_node(seen)?, &factors.positions)?;
     Some(of_contacts + seen.0.log_share())
+}
+
+/// Whether an error that all normals share makes both the contacts and the whole of what is known of them likelier than what was chosen.
+fn explains(seen: &SearchedModel, chosen: &SearchedModel, at: SearchContext) -> bool {
+    let fits_better = fits(seen, at.factors) > fits(chosen, at.factors).map(|other| other + RARE_ERROR);
+    fits_better && height(seen) > height(chosen) + RARE_ERROR
 }
 
 /// Whether a sensor may err as the likeliest surface says.
@@ -181,13 +204,17 @@ pub(crate) fn likeliest_look<T>(
     {
         chosen = seen;
     }
-    let gained = at.with_gain(plain, &chosen);
-    if let Some((gained, look)) = &gained {
-        let seen = at.see(gained, *look);
-        let fits_better = fits(&seen, at.factors) > fits(&chosen, at.factors).map(|other| other + RARE_GAIN);
-        if fits_better && is_believable(&seen) && height(&seen) > height(&chosen) + RARE_GAIN {
-            chosen = seen;
-        }
+    let tilted = at.with_tilt(plain, &chosen);
+    if let Some(seen) =
+        tilted.as_ref().map(|(made, look)| at.see(made, *look)).filter(|seen| explains(seen, &chosen, at))
+    {
+        chosen = seen;
+    }
+    let turned = chosen.0.tilt.as_ref().and_then(|_| plain.with_tilt(at.cells, at.factors));
+    let gained = at.with_gain(turned.as_ref().unwrap_or(plain), &chosen);
+    let seen = gained.as_ref().map(|(made, look)| at.see(made, *look));
+    if let Some(seen) = seen.filter(|seen| is_believable(seen) && explains(seen, &chosen, at)) {
+        chosen = seen;
     }
     let (linearised, (evidence, nodes)) = &chosen;
     tell(linearised, evidence, nodes)

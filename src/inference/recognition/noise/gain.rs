@@ -3,8 +3,7 @@
 //! ```text
 //! slopes measured = (1 + g) slopes true          g ~ N(0, GAIN^2), one for all normals
 //! y_n = .. + g v,   v = (n.a) ((n.a) n - a) . t  a: normal of the patch's frame, n: of the surface, t: tangent
-//! Sigma_n <- Sigma_n + GAIN^2 v v'               W'W <- W'W - c c'/k,   log det <- log det + log(GAIN^2 k)
-//! c = W' v~,   k = 1/GAIN^2 + v~'v~,   mean of g = c . coefficients / k          W, v~: rows and v whitened by Sigma_n
+//! taken out of the rows as `shared_error.rs` says
 //! ```
 //!
 //! Slopes that a sensor takes from shading, or heights in another unit, leave positions and normals that each show a smooth surface,
@@ -15,12 +14,9 @@
 //! without a gain. That this surface is none of the simple ones is no reason for a gain, however much likelier simple ones are before
 //! the contacts are looked at: a gain is believed where no surface explains both as well.
 
-use faer::Mat;
-
-use crate::dense;
+use super::shared_error::{SharedError, ToldOfShared};
 use crate::recognition::contacts::Cells;
 use crate::recognition::kinds::{Kind, Model};
-use palpate_numeric::linalg;
 use palpate_numeric::vector::{dot, minus, scaled, unit};
 
 /// Prior standard deviation of the gain. Slopes that are wrong by half are within 2.5 of it; for precise normals its size hardly
@@ -34,16 +30,13 @@ const MOST_GAINS: f64 = 3.0;
 /// cup.
 const FEWEST_CELLS: usize = 12;
 
-/// Log odds against such a sensor: one in twenty.
-pub(crate) const RARE: f64 = 3.0;
-
 /// What a gain does to the normals of every cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Gain {
     /// v along both tangents.
     steeper: [Vec<f64>; 2],
-    /// c and k of the rows that it was taken out of.
-    told: Option<(Vec<f64>, f64)>,
+    /// What the rows say of it that it was taken out of.
+    told: Option<ToldOfShared>,
 }
 
 impl Gain {
@@ -66,25 +59,14 @@ impl Gain {
         Some(Gain { steeper, told: None })
     }
 
-    /// Takes the gain out of both halves of the whitened rows of the normals, whose errors have this factor and variance; gives back
-    /// `log(GAIN^2 k)`. Taken out of the Gram matrix, it would leave nothing but rounding of contacts without noise.
-    pub(super) fn taken_out(&mut self, halves: &mut [Mat<f64>; 2], lower: &Mat<f64>, variance: f64) -> f64 {
-        let mut steeper = self.steeper.clone();
-        steeper.iter_mut().for_each(|v| dense::forward_in_columns(lower, v));
-        let square = steeper.iter().map(|v| linalg::dot(v, v)).sum::<f64>() / variance;
-        let k = GAIN.powi(-2) + square;
-        // of the rows along v this share is left out, so that of their square 1/(1 + GAIN^2 square) stays
-        let share = 1.0 - (1.0 + GAIN * GAIN * square).sqrt().recip();
-        let mut c = vec![0.0; halves[0].ncols()];
-        for (j, c) in c.iter_mut().enumerate() {
-            *c = (0..2).map(|side| linalg::dot(halves[side].col_as_slice(j), &steeper[side])).sum::<f64>() / variance;
-            let by = if square > 0.0 { share * *c / square } else { 0.0 };
-            for (half, v) in halves.iter_mut().zip(&steeper) {
-                half.col_as_slice_mut(j).iter_mut().zip(v).for_each(|(row, v)| *row -= by * v);
-            }
-        }
-        self.told = Some((c, k));
-        (GAIN * GAIN * k).ln()
+    /// The gain as an error that all normals share.
+    pub(super) fn shared(&self) -> SharedError {
+        SharedError { along: self.steeper.clone(), sd: GAIN }
+    }
+
+    /// Keeps what its rows said when it was taken out of them.
+    pub(super) fn keep(&mut self, told: ToldOfShared) {
+        self.told = Some(told);
     }
 
     /// Whether a sensor may be so wrong.
@@ -94,8 +76,7 @@ impl Gain {
 
     /// Mean of the gain where the columns have these coefficients.
     pub(crate) fn mean(&self, coefficients: &[f64]) -> Option<f64> {
-        let (c, k) = self.told.as_ref()?;
-        Some(c.iter().zip(coefficients).map(|(c, x)| c * x).sum::<f64>() / k)
+        self.told.as_ref().map(|told| told.mean(coefficients))
     }
 }
 

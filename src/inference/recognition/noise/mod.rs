@@ -6,18 +6,22 @@
 //!
 //! Errors of places come first: `position_covariance.rs` asks how large they are, `slope_dependent_variance.rs` weighs contacts on slopes
 //! by them, and `regression_calibration.rs` sets back those that crossed the edges. Then come the covariances, `covariance.rs` of distances and `normals.rs` of normals,
-//! and `gain.rs` for a sensor whose slopes are all too steep.
+//! `gain.rs` for a sensor whose slopes are all too steep, and `tilt.rs` for one whose normals are all turned.
 
 mod covariance;
 mod gain;
 mod normals;
 mod position_covariance;
 mod regression_calibration;
+mod shared_error;
 mod slope_dependent_variance;
+mod tilt;
 
 pub(crate) use covariance::{Factors, Kernel, Limit, distances_between};
-pub(crate) use gain::{Gain, RARE as RARE_GAIN};
+pub(crate) use gain::Gain;
 pub(crate) use normals::NormalNoise;
 pub(crate) use position_covariance::PlaceErrors;
 pub(crate) use regression_calibration::set_back;
+pub(crate) use shared_error::RARE as RARE_ERROR;
 pub(crate) use slope_dependent_variance::weighed;
+pub(crate) use tilt::Tilt;

@@ -13,6 +13,8 @@ use crate::recognition::kinds::Kind;
 
 use super::covariance::{Factors, Kernel};
 use super::gain::Gain;
+use super::shared_error::take_out;
+use super::tilt::Tilt;
 
 /// Log likelihood below the best at which stronger correlations are not tried once it falls.
 const HOPELESS: f64 = 8.0;
@@ -97,13 +99,26 @@ impl NormalNoise {
         Some((likelihood, NormalNoise::new(kernel, variance, n, log_det)))
     }
 
-    /// Gram matrix of the whitened normal rows; a gain is taken out of it, and its share of the log evidence counted.
-    pub(crate) fn gram(&mut self, rows: &Rows, factors: &Factors, gain: Option<&mut Gain>) -> Option<Mat<f64>> {
+    /// Gram matrix of the whitened normal rows; a tilt and a gain are taken out of it, and their share of the log evidence counted.
+    pub(crate) fn gram(
+        &mut self,
+        rows: &Rows,
+        factors: &Factors,
+        tilt: Option<&mut Tilt>,
+        gain: Option<&mut Gain>,
+    ) -> Option<Mat<f64>> {
         let lower = factors.of(self.kernel)?;
         let mut halves = rows.normals.clone()?;
         halves.iter_mut().for_each(|half| dense::whiten(lower, half.as_mut()));
+        let of_tilt = tilt.as_deref().into_iter().flat_map(|tilt| tilt.shared(self.variance));
+        let errors = of_tilt.chain(gain.as_deref().map(Gain::shared)).collect();
+        let (log_det, mut told) = take_out(errors, &mut halves, lower, self.variance);
+        self.log_share -= 0.5 * log_det;
         if let Some(gain) = gain {
-            self.log_share -= 0.5 * gain.taken_out(&mut halves, lower, self.variance);
+            told.pop().into_iter().for_each(|told| gain.keep(told));
+        }
+        if let Some(tilt) = tilt {
+            tilt.keep(told);
         }
         let [mut gram, other] =
             halves.map(|half| dense::gram_of_groups(half.as_ref(), first_of_displacement(), &rows.groups));
