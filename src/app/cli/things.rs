@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use crate::io::{Input, Reading};
 use crate::report::{PartsDocument, write_parts_table};
-use palpate_inference::parts::{Parts, PartsOptions};
+use palpate_inference::parts::{Parts, PartsError, PartsOptions};
 
 use super::failure::Failure;
 use super::found::SeveralThings;
@@ -54,8 +54,13 @@ impl Things {
         let clock = Instant::now();
         let options =
             PartsOptions { viewpoint: told.viewpoint.or(seen_from(&self.reading)), ..PartsOptions::default() };
-        let cut = || Parts::of(contacts, &options).ok().filter(holds_most);
-        let found = self.found.parts.clone().or_else(cut).ok_or_else(|| self.refused())?;
+        let cut = || match Parts::of(contacts, &options) {
+            Ok(found) if holds_most(&found) => Ok(found),
+            // says more than that one surface does not hold them
+            Err(error @ PartsError::Volume { .. }) => Err(Failure::Input(format!("{}: {error}", self.reading.file))),
+            _ => Err(self.refused()),
+        };
+        let found = self.found.parts.clone().map_or_else(cut, Ok)?;
         let document = PartsDocument::new(&self.reading.file, &found, Vec::new(), clock.elapsed().as_secs_f64());
         drop(spinner);
         if told.output.quiet {

@@ -29,6 +29,15 @@ pub enum PartsError {
         "neighbouring normals point all ways, so they are no normals of a surface; leave them out, and they are estimated from the positions"
     )]
     Normals,
+    /// The contacts lie on no surface.
+    #[error(
+        "the contacts fill a volume, as leaves or random places do: around each of them their number grows with the power {power:.1} of the \
+         distance, on surfaces with 2, so that there is nothing to cut"
+    )]
+    Volume {
+        /// That power, at most 3.
+        power: f64,
+    },
     /// An option is out of its range.
     #[error("{option} = {value}: {expected}")]
     Option {

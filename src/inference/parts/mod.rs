@@ -62,6 +62,7 @@ mod sheet;
 mod surveyed;
 mod tuning;
 mod unexplained_regions;
+mod volume;
 mod waves;
 mod whole;
 
@@ -113,6 +114,9 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
         return one.ok_or(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST_POINTS });
     }
     let Sided { normals, side_known, estimated } = normals(contacts, &points, options, &mut notes)?;
+    if let Some(power) = volume::filled(&points, &options.tuning).filter(|_| estimated) {
+        return Err(PartsError::Volume { power });
+    }
     let cloud = Cloud::new(&points, normals).ok_or(PartsError::NoExtent)?;
     let pass = LetPass::new(&cloud, options.tolerance, estimated);
     let tuning = &options.tuning;

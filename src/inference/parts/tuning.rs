@@ -73,6 +73,11 @@ pub struct PartsTuning {
     /// Contacts within a spacing of it resolve no second face; scanned stems, bars and balls scatter by up to 0.7, drawn bodies of several
     /// faces that lie as near have an edge.
     pub one_spacings: f64,
+    /// Power with which the number of contacts grows around each of them, from which on they fill a volume. In boxes and balls it is 2.4 and more, for places near the rim have half as many neighbours; on surfaces 2, and up to 2.2 where
+    /// noise is a tenth of their size.
+    pub volume: f64,
+    /// Contacts from which on that is asked.
+    pub volume_from: usize,
     /// Most of what a fit is thought to have taken from residuals that neighbours share.
     pub shared_taken: f64,
 }
@@ -104,6 +109,8 @@ impl Default for PartsTuning {
             sharper: 0.5,
             nearly_all: 0.97,
             one_spacings: 1.0,
+            volume: 2.35,
+            volume_from: 150,
             shared_taken: 0.75,
         }
     }
