@@ -20,7 +20,7 @@ use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::statistics::mad;
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
-use crate::bodies::{self, BodyHypothesis, BodyPosterior, BodySample, Symmetry, Thing, Tuning, Verdict};
+use crate::bodies::{self, BodyHypothesis, BodySample, Symmetry, Thing, Tuning, Verdict};
 use crate::primitives::placed::PartKind;
 use crate::recognition::contacts::{
     Observations, distance_from_conic, patch_frame, spread_beside_a_line, stand_upright,
@@ -97,7 +97,7 @@ fn one_instead(
     if too_few && body.probability() < tuning.sure_of_few {
         return patch;
     }
-    let is_simpler = patch.as_ref().is_ok_and(|found| is_simpler(body.posterior, found, body.sample, tuning));
+    let is_simpler = patch.as_ref().is_ok_and(|found| is_simpler(body, found));
     let stays = match doubt {
         PatchDoubt::Slight => !decisive && !is_simpler,
         PatchDoubt::Kind => !is_simpler,
@@ -257,6 +257,10 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
     if set_aside || contradicted || leaves_much_unsaid(found) || has_two_peaks(found, given, tuning) {
         return PatchDoubt::Slight;
     }
+    // what is read as errors that neighbours share may be another kind of body
+    if found.noise.sd_correlated * tuning.sharper > found.noise.sd_z {
+        return PatchDoubt::Slight;
+    }
     if matches!(
         found.hypothesis,
         Hypothesis::Torus | Hypothesis::General | Hypothesis::Quadric | Hypothesis::Paraboloid | Hypothesis::Displaced
@@ -266,14 +270,19 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
     PatchDoubt::None
 }
 
-/// Whether a body explains the contacts by less than a patch does: patches do not know the cone; a displaced patch is whatever
-/// primitive it is no nearer to the contacts than; and a far nearer one is better than any patch. None of them departs.
-fn is_simpler(posterior: &BodyPosterior, found: &Recognition, sample: &BodySample, tuning: &Tuning) -> bool {
+/// Whether a body explains the contacts by less than a patch does: patches do not know the cone, and take what it is off a bar or a ring for
+/// errors that neighbours share; a displaced patch is whatever primitive it is no nearer to the contacts than; and a far nearer one is better
+/// than any patch. None of them departs, but for a cone that is still one.
+fn is_simpler(body: &answer::BodyAnswer, found: &Recognition) -> bool {
+    let (posterior, tuning) = (body.posterior, &body.options.tuning);
+    let is_plain = posterior.weight_without_departure() > 0.5;
+    if posterior.weight_of(PartKind::Cone) >= 0.5 {
+        return is_plain || body.is_of_simple_kind();
+    }
     let scatter = posterior.best_of(posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
     let least = if found.hypothesis == Hypothesis::Displaced { 1.0 } else { tuning.sharper };
     let is_other = Hypothesis::from(posterior.kind()) != found.hypothesis;
-    let is_nearer = is_other && sample.frame.scale * scatter <= least * found.noise.sd_of_contact();
-    posterior.weight_without_departure() > 0.5 && (posterior.weight_of(PartKind::Cone) >= 0.5 || is_nearer)
+    is_plain && is_other && body.sample.frame.scale * scatter <= least * found.noise.sd_of_contact()
 }
 
 /// Whether a patch that bends in more than one way explains the contacts as well as several things: it makes them no less likely, or
