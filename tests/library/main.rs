@@ -27,5 +27,6 @@ mod scene_effects;
 mod scene_surfaces;
 #[cfg(feature = "cli")]
 mod scene_tip;
+mod shared_errors;
 mod study;
 mod threads;
