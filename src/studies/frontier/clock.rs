@@ -20,6 +20,8 @@ const IN_A_ROW: usize = 3;
 const ALLOWANCE: f64 = 3.0;
 /// So many times the seconds for each call are spent on the least rounds at most.
 const FOR_LEAST: f64 = 3.0;
+/// Calls of each kind that are made however slow they are: one alone tells no error.
+const LEAST_CALLS: u64 = 2;
 /// Samples of the bootstrap; the ends of an interval of 95 % are then some 5 % of its width off.
 const SAMPLES: usize = 200;
 
@@ -116,7 +118,7 @@ pub(super) fn heard_rounds<R>(
             let k = (step + round * 7) % calls.len();
             // what is slow leaves the others their rounds, too
             let most_spent = if round >= limits.least { limits.each } else { FOR_LEAST * limits.each };
-            if spent[k] > most_spent {
+            if spent[k] > most_spent && numbers[k] >= LEAST_CALLS {
                 continue;
             }
             let mut least = Duration::MAX;

@@ -24,6 +24,9 @@ const OBJECTIVES: [Objective; 5] = [
 /// Degree and segments of the parametric surfaces that are tried: each takes some hundred times as long as a height field.
 const PARAMETRIC: [(usize, [usize; 2]); 2] = [(3, [1, 1]), (3, [2, 2])];
 
+/// Steps of a fit at most: one that needs more takes seconds, of which a frontier has few.
+const MOST_STEPS: usize = 300;
+
 /// One way to fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Configuration {
@@ -113,14 +116,18 @@ pub(super) fn candidates(
             found.push(configuration);
         }
     };
-    let with = |degree: [usize; 2], segments: [usize; 2], objective: Objective| FitOptions {
-        surface: SurfaceKind::Height,
-        closed: [false; 2],
-        degree,
-        segments,
-        knots: None,
-        objective,
-        ..own.clone()
+    let with = |degree: [usize; 2], segments: [usize; 2], objective: Objective| {
+        let options = FitOptions {
+            surface: SurfaceKind::Height,
+            closed: [false; 2],
+            degree,
+            segments,
+            knots: None,
+            objective,
+            ..own.clone()
+        };
+        let steps = if options == *own { own.steps } else { own.steps.min(MOST_STEPS) };
+        FitOptions { steps, ..options }
     };
     for count in stations {
         add(Configuration { options: own.clone(), stations: *count, recognised: false });

@@ -115,13 +115,16 @@ impl HeldOut {
     }
 
     /// The ways that were measured, by what the ledger holds of them. All are judged by the same parts, because some parts are harder to
-    /// tell than others: by those that half of the ways have come to, and ways that have come to fewer are left out.
+    /// tell than others: by those that half of the ways have come to, and ways that have come to fewer are left out. What is recognised is
+    /// the answer that everyone gets, and stays in: where it is slow, all are judged by the parts that it has come to.
     pub fn measured(&self, ledger: &Ledger) -> Vec<Measured> {
         let mut entries = ledger.entries();
         let mut counts: Vec<usize> =
             entries.iter().filter(|entry| entry.is_measured(1)).map(|entry| entry.judged.len()).collect();
         counts.sort_unstable();
-        let parts = counts.get(counts.len() / 2).copied().unwrap_or(0);
+        let half = counts.get(counts.len() / 2).copied().unwrap_or(0);
+        let recognised = self.ways.iter().zip(&entries).filter(|(way, entry)| way.recognised && entry.is_measured(1));
+        let parts = recognised.map(|(_, entry)| entry.judged.len()).min().map_or(half, |least| half.min(least));
         entries.iter_mut().for_each(|entry| entry.judged.truncate(parts));
         let alike = |entry: &LedgerLine| entry.is_measured(1) && entry.judged.len() == parts;
         let reached = self.ways.iter().zip(&entries).filter(|(_, entry)| alike(entry));
@@ -250,6 +253,22 @@ mod tests {
         let (_, unseen) = &parts[0];
         let near = |a: usize, b: usize| (unseen.x[a] - unseen.x[b]).hypot(unseen.y[a] - unseen.y[b]) <= 1.0;
         assert!((0..unseen.len()).all(|a| (0..unseen.len()).any(|b| a != b && near(a, b))));
+    }
+
+    #[test]
+    fn what_is_recognised_stays_in_however_slow_it_is() {
+        let held_out = HeldOut::new(&grid(12, 10), &FitOptions::default()).unwrap();
+        let ledger = held_out.ledger();
+        for (k, way) in held_out.ways.iter().enumerate() {
+            let calls = if way.recognised { 2 } else { PARTS };
+            ledger.enter(k, |entry| {
+                entry.judged = vec![Default::default(); calls];
+                entry.times[0] = vec![1e-3; calls];
+            });
+        }
+        let measured = held_out.measured(&ledger);
+        assert!(measured.iter().any(|way| way.configuration.recognised) && measured.len() == held_out.ways());
+        assert!(measured.iter().all(|way| way.point.replicates == 2));
     }
 
     #[test]

@@ -71,6 +71,7 @@ pub(super) fn solve_with_gaps(equations: &Equations, solution: &mut Solution, fr
     let mut first = Vec::new();
     for alternation in 0..MAX_ALTERNATIONS {
         let before = moved;
+        solution.turns += 1;
         moved = gap.alternate(&mut c);
         contraction = moved / before;
         if alternation == 0 {
@@ -84,9 +85,9 @@ pub(super) fn solve_with_gaps(equations: &Equations, solution: &mut Solution, fr
     // what all alternations that are not made would move
     let mut amplified = if contraction < 1.0 { 1.0 / (1.0 - contraction) } else { f64::INFINITY };
     solution.unsettled = moved * amplified;
-    if free.count() <= MAX_DENSE
-        && let Some(settled) = gap.settle(first)
-    {
+    let is_written = free.count() <= MAX_DENSE;
+    solution.turns += if is_written { free.count() } else { 0 };
+    if is_written && let Some(settled) = gap.settle(first) {
         (c, solution.unsettled) = (settled.coefficients, settled.off);
         (amplified, solution.enlarged) = (settled.amplified, settled.enlarged);
     }

@@ -32,6 +32,8 @@ pub struct Solution {
     pub refinements: usize,
     /// Size of the last refinement step over that of the first.
     pub refinement_gain: f64,
+    /// Turns in which coefficients without data and the others settled.
+    pub turns: usize,
     /// What coefficients without data and their neighbours may still have to move, relative to the largest coefficient.
     pub unsettled: f64,
     /// By how much the coefficients without data enlarge what the others are off by; 1 where the two settle by turns.
@@ -59,6 +61,7 @@ impl Solution {
             pinned: None,
             refinements: 0,
             refinement_gain: 1.0,
+            turns: 0,
             unsettled: 0.0,
             enlarged: 1.0,
             filled: 0.0,
