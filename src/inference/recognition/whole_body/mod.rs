@@ -203,7 +203,7 @@ fn distances(found: &Recognition, points: &[Vector]) -> Vec<f64> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PatchDoubt {
     None,
-    /// The kind bends in more than one way, and may be one that patches do not know.
+    /// The kind bends in more than one way, or leaves much to errors that neighbours share, and may be one that patches do not know.
     Kind,
     /// Some contacts do not belong, or lie on two sheets.
     Slight,
@@ -257,14 +257,12 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
     if set_aside || contradicted || leaves_much_unsaid(found) || has_two_peaks(found, given, tuning) {
         return PatchDoubt::Slight;
     }
-    // what is read as errors that neighbours share may be another kind of body
-    if found.noise.sd_correlated * tuning.sharper > found.noise.sd_z {
-        return PatchDoubt::Slight;
-    }
-    if matches!(
+    let bends = matches!(
         found.hypothesis,
         Hypothesis::Torus | Hypothesis::General | Hypothesis::Quadric | Hypothesis::Paraboloid | Hypothesis::Displaced
-    ) {
+    );
+    // what is read as errors that neighbours share may be another kind of body
+    if bends || found.noise.sd_correlated * tuning.sharper > found.noise.sd_z {
         return PatchDoubt::Kind;
     }
     PatchDoubt::None
