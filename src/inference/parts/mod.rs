@@ -114,7 +114,7 @@ fn segment(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsEr
         return one.ok_or(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST_POINTS });
     }
     let Sided { normals, side_known, estimated } = normals(contacts, &points, options, &mut notes)?;
-    if let Some(power) = volume::filled(&points, &options.tuning).filter(|_| estimated) {
+    if estimated && let Some(power) = volume::filled(&points, &options.tuning) {
         return Err(PartsError::Volume { power });
     }
     let cloud = Cloud::new(&points, normals).ok_or(PartsError::NoExtent)?;

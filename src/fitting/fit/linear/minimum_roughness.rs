@@ -85,11 +85,12 @@ pub(super) fn solve_with_gaps(equations: &Equations, solution: &mut Solution, fr
     // what all alternations that are not made would move
     let mut amplified = if contraction < 1.0 { 1.0 / (1.0 - contraction) } else { f64::INFINITY };
     solution.unsettled = moved * amplified;
-    let is_written = free.count() <= MAX_DENSE;
-    solution.turns += if is_written { free.count() } else { 0 };
-    if is_written && let Some(settled) = gap.settle(first) {
-        (c, solution.unsettled) = (settled.coefficients, settled.off);
-        (amplified, solution.enlarged) = (settled.amplified, settled.enlarged);
+    if free.count() <= MAX_DENSE {
+        solution.turns += free.count();
+        if let Some(settled) = gap.settle(first) {
+            (c, solution.unsettled) = (settled.coefficients, settled.off);
+            (amplified, solution.enlarged) = (settled.amplified, settled.enlarged);
+        }
     }
     solution.filled = amplified * free.seen() * gap.rounding(&c);
     solution.coefficients = c;

@@ -85,17 +85,19 @@ impl Linearised {
     /// The same equations where all normals may be too steep by one factor; `None` without normals.
     pub(super) fn with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
         let gain = Some(Gain::new(cells, &self.models, None)?);
-        let mut made = Linearised { gain, ..self.clone() };
-        made.weigh_normals(NormalNoise::find(&self.rows, factors.normals(), 0.0), factors);
-        Some(made)
+        Some(Linearised { gain, ..self.clone() }.with_normals_asked(factors))
     }
 
     /// The same equations where all normals may be turned by one angle; `None` where they cannot.
     pub(super) fn with_tilt(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
         let tilt = Some(Tilt::new(cells)?);
-        let mut made = Linearised { tilt, ..self.clone() };
-        made.weigh_normals(NormalNoise::find(&self.rows, factors.normals(), 0.0), factors);
-        Some(made)
+        Some(Linearised { tilt, ..self.clone() }.with_normals_asked(factors))
+    }
+
+    /// With errors of the normals as the models without a departure say.
+    fn with_normals_asked(mut self, factors: &FactorPair) -> Linearised {
+        self.weigh_normals(NormalNoise::find(&self.rows, factors.normals(), 0.0), factors);
+        self
     }
 
     /// What the normals tell of the models without a departure.
@@ -107,22 +109,20 @@ impl Linearised {
 
     /// The same where all normals may be too steep by one factor; `None` where they cannot.
     pub(super) fn told_with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<NormalsTold> {
-        let mut gain = Gain::new(cells, &self.models, None)?;
-        let mut noise = NormalNoise::find(&self.rows, factors.normals(), 0.0);
-        let of_models = self.rows.of_models();
-        let mut tilt = self.tilt.clone();
-        let of = |noise: &mut NormalNoise| noise.gram(&of_models, factors.normals(), tilt.as_mut(), Some(&mut gain));
-        let gram = noise.as_mut().and_then(of);
-        Some(NormalsTold { noise, gram })
+        let gain = Gain::new(cells, &self.models, None)?;
+        Some(self.told_with(self.tilt.clone(), Some(gain), factors))
     }
 
     /// The same where all normals may be turned by one angle; `None` where they cannot.
     pub(super) fn told_with_tilt(&self, cells: &Cells, factors: &FactorPair) -> Option<NormalsTold> {
-        let mut tilt = Tilt::new(cells)?;
+        Some(self.told_with(Some(Tilt::new(cells)?), None, factors))
+    }
+
+    fn told_with(&self, mut tilt: Option<Tilt>, mut gain: Option<Gain>, factors: &FactorPair) -> NormalsTold {
         let mut noise = NormalNoise::find(&self.rows, factors.normals(), 0.0);
         let of_models = self.rows.of_models();
-        let gram = noise.as_mut().and_then(|noise| noise.gram(&of_models, factors.normals(), Some(&mut tilt), None));
-        Some(NormalsTold { noise, gram })
+        let gram = |noise: &mut NormalNoise| noise.gram(&of_models, factors.normals(), tilt.as_mut(), gain.as_mut());
+        NormalsTold { gram: noise.as_mut().and_then(gram), noise }
     }
 
     /// The same equations, with a gain about the general surface under a displacement of these slopes, and errors of the normals as they

@@ -14,7 +14,7 @@
 //! without a gain. That this surface is none of the simple ones is no reason for a gain, however much likelier simple ones are before
 //! the contacts are looked at: a gain is believed where no surface explains both as well.
 
-use super::shared_error::{SharedError, ToldOfShared};
+use super::shared_error::{FEWEST_CELLS, SharedError, ToldOfShared};
 use crate::recognition::contacts::Cells;
 use crate::recognition::kinds::{Kind, Model};
 use palpate_numeric::vector::{dot, minus, scaled, unit};
@@ -25,10 +25,6 @@ const GAIN: f64 = 0.2;
 
 /// Gains up to this multiple of [`GAIN`] are believed. On a plane whose normals lean by an angle of their own "95 % flatter" would say it.
 const MOST_GAINS: f64 = 3.0;
-
-/// Cells needed: twice the unknowns of the general surface. Five touches whose heights hardly bend had a gain that turned a cap into a
-/// cup.
-const FEWEST_CELLS: usize = 12;
 
 /// What a gain does to the normals of every cell.
 #[derive(Clone, Debug)]

@@ -2,26 +2,24 @@
 //!
 //! ```text
 //! n measured = n + w x n          w = (w_x, w_y, 0),   w_x, w_y ~ N(0, sd^2), one for all normals
-//! sd = min(LARGEST, TIMES s_n)    s_n: sd of a cell's normals
+//! sd = min(LARGEST_TILT, TILT_OVER_SCATTER s_n)    s_n: sd of a cell's normals
 //! ```
 //!
 //! It moves no curvature: it only turns the whole surface that normals show against the one that positions show. Rows that do not know of
 //! it take the difference for noise, or for a departure in which both agree. Where normals may be turned they do not say how a patch lies,
 //! and under three fingers, whose heights lie on a circle, intervals are twice as wide for that: such a sensor is one of few.
 
-use super::shared_error::{SharedError, ToldOfShared};
+use super::shared_error::{FEWEST_CELLS, SharedError, ToldOfShared};
 use crate::recognition::contacts::Cells;
 use palpate_numeric::vector::{cross, dot};
 
-/// Prior standard deviation of either angle at most, in radians: three degrees.
-const LARGEST: f64 = 0.05;
+/// Prior standard deviation of either angle at most, in radians: three degrees, as of what is mounted by eye. Eight are found as well, for
+/// contacts tell an angle to a tenth of that.
+const LARGEST_TILT: f64 = 0.05;
 
-/// The same over the scatter of normals. A sensor whose normals are exact is not askew: positions would then have to say how the patch
+/// The same over the scatter of normals: those that err by 0.4 degrees may be turned by three. A sensor whose normals are exact is not askew: positions would then have to say how the patch
 /// lies, and what a step between the two leaves is more than such normals err by.
-const TIMES: f64 = 8.0;
-
-/// Cells needed: twice the unknowns of the general surface.
-const FEWEST_CELLS: usize = 12;
+const TILT_OVER_SCATTER: f64 = 8.0;
 
 /// The angles about both axes across the patch.
 #[derive(Clone, Debug)]
@@ -47,7 +45,7 @@ impl Tilt {
 
     /// The angles as errors that all normals share, where those of a cell scatter by this variance.
     pub(super) fn shared(&self, variance: f64) -> impl Iterator<Item = SharedError> {
-        let sd = LARGEST.min(TIMES * variance.sqrt());
+        let sd = LARGEST_TILT.min(TILT_OVER_SCATTER * variance.sqrt());
         self.about.iter().map(move |along| SharedError { along: along.clone(), sd })
     }
 
