@@ -205,11 +205,8 @@ fn axis(document: &FitDocument) -> Option<Row> {
         return None;
     }
     let saddle = shape.class.as_deref() == Some("saddle") && !is_of_all;
-    let (label, angle, vector) = if saddle {
-        ("hollow along", shape.direction_deg, shape.direction)
-    } else {
-        ("axis", shape.axis_deg, shape.axis)
-    };
+    let (label, angle, vector) =
+        if saddle { ("hollow", shape.direction_deg, shape.direction) } else { ("axis", shape.axis_deg, shape.axis) };
     let along = match hypothesis {
         Some("surface of revolution") => "that it is turned about".into(),
         Some("extrusion") => "the way along it".into(),
