@@ -8,7 +8,7 @@ import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
 const [, , executablePath, folder, shots] = process.argv;
-const WIDTHS = { phone: 390, desktop: 1280 };
+const WIDTHS = { phone: 390, tablet: 820, desktop: 1280 };
 // WebGL drawn by the processor, where there are no graphics; the page itself is drawn as such a machine draws every page
 const FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader"];
 const faults = [];
@@ -73,7 +73,7 @@ async function save(page, name) {
     if (shots) await page.screenshot({ path: join(shots, `${name}.png`), fullPage: true });
 }
 
-/** Every page at both widths, light and dark: fits its width, shows words, asks for nothing. */
+/** Every page at three widths, light and dark: fits its width, shows words, asks for nothing. */
 async function looks(kind, hasStage) {
     const papers = new Set();
     for (const [device, width] of Object.entries(WIDTHS)) {
