@@ -9,6 +9,7 @@ mod draws;
 mod effects_together;
 mod explore;
 mod few_and_lines;
+mod free_surfaces;
 mod guide;
 mod hard_cases;
 mod objects;

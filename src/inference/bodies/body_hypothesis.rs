@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use faer::Mat;
 
-use super::coordinates::Symmetry;
+use super::coordinates::{DepartureOver, Symmetry};
 use super::departure::DepartureProcess;
 use super::departure_reading::DepartureReading;
 use super::tuning::Tuning;
@@ -70,15 +70,29 @@ impl BodyHypothesis {
         self.sd[1]
     }
 
+    /// Whether a sensor has distances and normals that scatter by so much beside each other, in 95 of a hundred cases.
+    pub(crate) fn is_of_a_sensor(&self, tuning: &Tuning) -> bool {
+        let [mean, sd] = tuning.log_ratio;
+        ((self.sd[0] / self.sd[1]).ln() - mean).abs() <= 2.0 * sd
+    }
+
     /// Root mean square of the departure at the contacts.
     pub(crate) fn departure_size(&self) -> f64 {
         self.departure_rms
     }
 
-    /// With the prior of how its departure is read.
-    pub(super) fn weighed_by_reading(mut self, tuning: &Tuning) -> BodyHypothesis {
+    /// With the prior of how its departure is read, and its share of departures of all feet and of the section alone.
+    pub(super) fn weighed_by_reading(mut self, [of_feet, of_section]: [f64; 2], tuning: &Tuning) -> BodyHypothesis {
         self.log_evidence += self.departure.map_or(0.0, |[_, size]| self.reading.prior(size, tuning).ln());
+        if self.departure.is_some() {
+            self.log_evidence += if self.is_of_section() { of_section } else { of_feet }.ln();
+        }
         self
+    }
+
+    /// Whether it departs in its section alone.
+    pub(super) fn is_of_section(&self) -> bool {
+        self.process.as_ref().is_some_and(|process| process.over == DepartureOver::Section)
     }
 
     /// Probability that its departure is an error of the sensor; 0 without one.

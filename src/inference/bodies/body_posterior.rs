@@ -27,6 +27,20 @@ pub(crate) struct BodyPosterior {
 }
 
 impl BodyPosterior {
+    /// Of a free surface whose hypothesis is taken for certain, without contacts of its own.
+    pub(super) fn of_one(primitive: Primitive, node: BodyHypothesis) -> BodyPosterior {
+        let log_evidence = node.log_evidence;
+        let (members, weights) = (vec![Vec::new()], vec![1.0]);
+        BodyPosterior { primitives: vec![primitive], members, nodes: vec![node], weights, log_evidence, is_free: true }
+    }
+
+    /// The same without rings whose section departs from a circle: a curve turned about an axis is that, and more exactly.
+    pub(super) fn without_sections(&self, tuning: &Tuning) -> Option<BodyPosterior> {
+        let own = self.nodes.iter().filter(|node| !node.is_of_section()).cloned().collect();
+        let (nodes, weights, log_evidence) = normalised(own, tuning)?;
+        Some(BodyPosterior { nodes, weights, log_evidence, ..self.clone() })
+    }
+
     /// Probability that there is no departure.
     pub(crate) fn weight_without_departure(&self) -> f64 {
         self.nodes.iter().zip(&self.weights).filter(|(n, _)| n.length().is_none()).map(|(_, w)| w).sum()

@@ -1,6 +1,7 @@
 //! What a departure is a function of, and how its derivatives there are those at a place.
 //!
 //! ```text
+//! section     q = (rho, h) of the foot: what is the same all round a base's axis, and small
 //! turned      q = (rho, h): distance from the base's axis and height along it;  k(q, c) + k(q, (-rho_c, h_c)), smooth on the axis
 //!             hess f = f_rr r r' + f_rh (r a' + a r') + f_hh a a' + f_r / rho (1 - r r' - a a')      r: away from the axis a
 //! extruded    q = (x, y): the two coordinates across the base's axis
@@ -27,6 +28,8 @@ pub(crate) enum Symmetry {
 pub(super) enum DepartureOver {
     /// The foot of a place on the base.
     Feet,
+    /// The foot's distance from the base's axis and its height along it: the base's section is another one.
+    Section,
     /// The place itself.
     Space,
     /// Distance from the base's axis and height along it: a body of revolution.
@@ -39,15 +42,20 @@ impl DepartureOver {
     /// Which of `tau omega size omega3` move the base where it is only what a departure is counted from: those that no departure takes up.
     pub(super) fn moving(self) -> &'static [usize] {
         match self {
-            DepartureOver::Feet | DepartureOver::Space => &[],
+            DepartureOver::Feet | DepartureOver::Section | DepartureOver::Space => &[],
             DepartureOver::Turned => &[0, 1, 3, 4],
             DepartureOver::Extruded => &[3, 4],
         }
     }
 
+    /// Whether it is small beside the body, so that the base's feet are those of the surface.
+    pub(super) fn is_small(self) -> bool {
+        matches!(self, DepartureOver::Feet | DepartureOver::Section)
+    }
+
     pub(super) fn symmetry(self) -> Symmetry {
         match self {
-            DepartureOver::Feet | DepartureOver::Space => Symmetry::None,
+            DepartureOver::Feet | DepartureOver::Section | DepartureOver::Space => Symmetry::None,
             DepartureOver::Turned => Symmetry::Turned,
             DepartureOver::Extruded => Symmetry::Extruded,
         }
@@ -55,16 +63,14 @@ impl DepartureOver {
 
     /// What the departure is a function of, at a place whose foot is given.
     pub(super) fn coordinates(self, base: &Primitive, place: Vector, foot: Vector) -> Vector {
-        let own = || base.own(place);
+        let section = |[x, y, z]: Vector| [x.hypot(y), z, 0.0];
         match self {
             DepartureOver::Feet => foot,
+            DepartureOver::Section => section(base.own(foot)),
             DepartureOver::Space => place,
-            DepartureOver::Turned => {
-                let [x, y, z] = own();
-                [x.hypot(y), z, 0.0]
-            }
+            DepartureOver::Turned => section(base.own(place)),
             DepartureOver::Extruded => {
-                let [x, y, _] = own();
+                let [x, y, _] = base.own(place);
                 [x, y, 0.0]
             }
         }
@@ -75,7 +81,7 @@ impl DepartureOver {
         let own = || base.axes.map(|axis| dot(axis, direction));
         match self {
             DepartureOver::Feet | DepartureOver::Space => direction,
-            DepartureOver::Turned => {
+            DepartureOver::Section | DepartureOver::Turned => {
                 let ([cos, sin], [x, y, z]) = (outwards(base.own(place)), own());
                 [cos * x + sin * y, z, 0.0]
             }
@@ -138,12 +144,18 @@ impl DepartureJet {
         DepartureJet { gradient: base.out(self.gradient), hessian: [column(0), column(1), column(2)], ..self }
     }
 
-    /// Derivatives along the surface across a normal alone.
-    pub(super) fn across(self, normal: Vector) -> DepartureJet {
+    /// The same as a function of the foot alone, which moves along a surface of this normal n and Hessian of distances: places beside each other
+    /// have feet that fall behind the tangent.
+    ///
+    /// ```text
+    /// grad f - n n' grad f        P hess f P - (n' grad f) hess d,   P = 1 - n n'
+    /// ```
+    pub(super) fn of_foot(self, normal: Vector, bends: [Vector; 3]) -> DepartureJet {
         let level = |v: Vector| along(v, -dot(v, normal), normal);
         let rows = self.hessian.map(level);
         let columns = [0, 1, 2].map(|j| level([rows[0][j], rows[1][j], rows[2][j]]));
-        let hessian = [0, 1, 2].map(|i| [columns[0][i], columns[1][i], columns[2][i]]);
+        let away = dot(self.gradient, normal);
+        let hessian = [0, 1, 2].map(|i| [0, 1, 2].map(|j| columns[j][i] - away * bends[i][j]));
         DepartureJet { gradient: level(self.gradient), hessian, ..self }
     }
 }

@@ -94,6 +94,7 @@ impl DepartureProcess {
         let jet = self.jet(coefficients, self.over.coordinates(base, place, foot));
         match self.over {
             DepartureOver::Feet | DepartureOver::Space => jet,
+            DepartureOver::Section => jet.turned(base.own(foot)).out_of(base),
             DepartureOver::Turned => jet.turned(base.own(place)).out_of(base),
             DepartureOver::Extruded => jet.extruded().out_of(base),
         }

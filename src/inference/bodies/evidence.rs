@@ -25,7 +25,7 @@ use super::rows::{BaseRows, RowGrams};
 use super::sample::BodySample;
 use super::tuning::Tuning;
 use crate::dense;
-use crate::primitives::placed::{MOST_UNKNOWNS, Primitive};
+use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::brent;
 
 /// How far to both sides of the mode's ln v its peak is looked for, how exactly, and values that are asked for at most.
@@ -62,7 +62,7 @@ pub(super) struct LinearisedBase<'a> {
 impl<'a> LinearisedBase<'a> {
     pub(super) fn new(mode: &Mode, sample: &'a BodySample, tuning: &Tuning) -> LinearisedBase<'a> {
         let (members, primitive) = (mode.members(), mode.primitive);
-        let base = BaseRows::new(&primitive, &members, sample);
+        let base = BaseRows::new(&primitive, DepartureOver::Feet, &members, sample);
         let prior = log_prior(&primitive);
         let moving = primitive.kind.free();
         LinearisedBase::of_rows(&base, primitive, (moving, prior), mode, sample, tuning)
@@ -120,12 +120,24 @@ impl<'a> LinearisedBase<'a> {
             let unfollowed: Vec<RowGrams> = found.departed.iter().map(|g| g.unfollowed(&found.plain)).collect();
             found.departed.extend(unfollowed);
         }
+        found.departed.extend(found.sections(tuning));
         found
+    }
+
+    /// Departures of a ring's section: of what has an axis and bends both ways a circle is the rarest.
+    fn sections(&self, tuning: &Tuning) -> Vec<RowGrams> {
+        if self.primitive.kind != PartKind::Torus {
+            return Vec::new();
+        }
+        let base = BaseRows::new(&self.primitive, DepartureOver::Section, &self.members, self.sample);
+        let kernel = |length: &f64| DepartureKernel::gaussian(*length, tuning.apart);
+        let broad = tuning.lengths.iter().filter(|length| **length >= tuning.shape_from).map(kernel);
+        broad.filter_map(|of| base.grams_with(of, None, tuning.most_features)).collect()
     }
 
     /// With departures of these lengths, each carried by so many places at most.
     pub(super) fn with_lengths(self, lengths: &[f64], most: usize, tuning: &Tuning) -> LinearisedBase<'a> {
-        let base = BaseRows::new(&self.primitive, &self.members, self.sample);
+        let base = BaseRows::new(&self.primitive, DepartureOver::Feet, &self.members, self.sample);
         let kernel = |length: &f64| DepartureKernel::gaussian(*length, tuning.apart);
         // a departure that is small beside the body has no broad one
         self.departing_by(&base, &lengths.iter().map(kernel).collect::<Vec<DepartureKernel>>(), None, most)
@@ -146,7 +158,7 @@ impl<'a> LinearisedBase<'a> {
     pub(super) fn moved(self, step: &[f64], tuning: &Tuning) -> LinearisedBase<'a> {
         let primitive = moved(&self.primitive, self.moving, step).about([0.0; 3]);
         let constant = self.constant - log_prior(&self.primitive) + log_prior(&primitive);
-        let plain = BaseRows::new(&primitive, &self.members, self.sample).grams();
+        let plain = BaseRows::new(&primitive, DepartureOver::Feet, &self.members, self.sample).grams();
         let widths = widths(&primitive);
         LinearisedBase { primitive, constant, plain, widths, ..self }.departing(tuning)
     }
@@ -177,8 +189,18 @@ impl<'a> LinearisedBase<'a> {
         found.extend(self.node(of, &self.plain, None, tuning.exact.ln(), tuning));
         let each = ((1.0 - tuning.exact) / (tuning.lengths.len() * tuning.departures.len()) as f64).ln();
         let departed = self.departed_nodes(of, &tuning.departures, each, tuning);
-        found.extend(departed.map(|node| node.weighed_by_reading(tuning)));
+        let shares = self.shares_of_sections(tuning);
+        found.extend(departed.map(|node| node.weighed_by_reading(shares, tuning)));
         found
+    }
+
+    /// Priors of the departure of any length of all feet, and of the section alone, over that of one of a length where there are no sections.
+    fn shares_of_sections(&self, tuning: &Tuning) -> [f64; 2] {
+        let sections = self.departed.iter().filter(|grams| grams.is_of_section()).count();
+        if sections == 0 {
+            return [1.0, 0.0];
+        }
+        [1.0 - tuning.section, tuning.section * tuning.lengths.len() as f64 / sections as f64]
     }
 
     /// Nodes with departures of these sizes and of all lengths, each with a log prior.

@@ -5,7 +5,7 @@ use super::body_posterior::{BodyPosterior, most, normalised};
 use super::evidence::LinearisedBase;
 use super::free_surface::free_surface;
 use super::mode::{FalseContacts, Mode};
-use super::other_things::{Thing, scatter, several_things};
+use super::other_things::{Thing, is_simple, scatter, several_things};
 use super::sample::BodySample;
 use super::search::modes;
 use super::tuning::Tuning;
@@ -44,16 +44,23 @@ fn infer_beside(
     let modes = modes(sample, tuning);
     let one = posterior(&modes, sample, tuning);
     // where no primitive holds most of the contacts none is as probable as several
-    let of_one = one.as_ref().map_or(f64::NEG_INFINITY, |one| one.log_evidence);
+    let of_one = evidence_of(one.as_ref());
+    let turned_apart = one.as_ref().and_then(|one| one.without_sections(tuning));
     let answer = one.filter(|one| is_answer(one, sample, tuning));
     let is_sure = answer.as_ref().is_some_and(|one| one.is_exact(sample, tuning));
-    let free = if is_sure { None } else { free(sample, of_one) };
+    let free = if is_sure { None } else { free(sample, evidence_of(turned_apart.as_ref())) };
     let several = (!is_sure).then(|| several_things(sample, &modes, of_one, tuning)).flatten();
-    let stands = |things: &Vec<Thing>| free.as_ref().is_none_or(|free| free.is_less_than(things, all, tuning));
-    if let Some(things) = several.filter(stands) {
-        return Verdict::Several(things);
+    let beside = turned_apart.filter(|_| answer.is_some());
+    let clear = free.as_ref().filter(|free| beside.is_none_or(|one| free.is_clear(&one, tuning)));
+    if let Some(things) = several {
+        match (&free, clear) {
+            (Some(_), Some(clear)) if clear.is_more_than_pieces(&things, tuning) => {
+                return Verdict::Free(Box::new(clear.found.clone()), None);
+            }
+            (Some(free), _) if !free.is_less_than(&things, all, tuning) => {}
+            _ => return Verdict::Several(things),
+        }
     }
-    let free = free.filter(|free| answer.as_ref().is_none_or(|one| free.is_clear(one, tuning)));
     let one = answer.map(|mut posterior| {
         if sample.len() < all.len() {
             let belonging = |of| posterior.belonging(of, all, tuning);
@@ -61,8 +68,8 @@ fn infer_beside(
         }
         Box::new(posterior)
     });
-    match free {
-        Some(free) => Verdict::Free(Box::new(free.found), one),
+    match clear {
+        Some(free) => Verdict::Free(Box::new(free.found.clone()), one),
         None => one.map_or(Verdict::None, Verdict::One),
     }
 }
@@ -81,9 +88,8 @@ impl FreeRival {
             return Some(FreeRival { found, of_one });
         }
         let few = all.at_most(tuning.free_contacts);
-        let of_few = posterior(&modes(&few, tuning), &few, tuning);
-        let of_one = of_few.map_or(f64::NEG_INFINITY, |one| one.log_evidence);
-        Some(FreeRival { found, of_one })
+        let of_few = posterior(&modes(&few, tuning), &few, tuning).and_then(|one| one.without_sections(tuning));
+        Some(FreeRival { found, of_one: evidence_of(of_few.as_ref()) })
     }
 
     /// Whether it explains the contacts clearly better than a primitive with a departure of its own, and lies nearer to them: a primitive
@@ -97,6 +103,12 @@ impl FreeRival {
         self.found.best_of(self.found.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter)
     }
 
+    /// Whether rings or ellipsoids are among several things, which follow the pieces of any smooth body, and these are no nearer.
+    fn is_more_than_pieces(&self, things: &[Thing], tuning: &Tuning) -> bool {
+        let follows_pieces = things.iter().any(|thing| !is_simple(thing.primitive.kind));
+        follows_pieces && self.scatter() < tuning.as_near * scatter(things)
+    }
+
     /// Whether several things are as near to the contacts, and then say more, or are more probable over the contacts that it was
     /// computed from.
     fn is_less_than(&self, things: &[Thing], all: &BodySample, tuning: &Tuning) -> bool {
@@ -106,6 +118,11 @@ impl FreeRival {
         let few = all.at_most(tuning.free_contacts);
         several_things(&few, &modes(&few, tuning), self.found.log_evidence, tuning).is_some()
     }
+}
+
+/// Log evidence of the likeliest hypothesis; none where there is no posterior.
+fn evidence_of(one: Option<&BodyPosterior>) -> f64 {
+    one.map_or(f64::NEG_INFINITY, |one| one.log_evidence)
 }
 
 /// Whether the likeliest kind comes near enough.

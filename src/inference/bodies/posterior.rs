@@ -11,7 +11,7 @@ use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
 use super::body_hypothesis::BodyHypothesis;
 use super::body_posterior::BodyPosterior;
-use super::coordinates::{DepartureJet, DepartureOver, Symmetry};
+use super::coordinates::{DepartureJet, Symmetry};
 use super::departure::DepartureProcess;
 use super::finer_shape::FinerShape;
 use super::mode::is_possible;
@@ -74,7 +74,7 @@ impl DrawnBase {
         if let Some((process, coefficients)) = &self.departure {
             let foot = along(place, -base.distance, gradient);
             let by = process.jet_at(coefficients, &self.primitive, place, foot);
-            let by = if process.over == DepartureOver::Feet { by.across(gradient) } else { by };
+            let by = if process.over.is_small() { by.of_foot(gradient, hessian) } else { by };
             jet.value -= by.value;
             jet.gradient = minus(jet.gradient, by.gradient);
             (0..3).for_each(|i| jet.hessian[i] = minus(jet.hessian[i], by.hessian[i]));
@@ -146,7 +146,7 @@ impl DrawnBase {
     /// In which way it is the same in many places, where it departs by as much as the body is large.
     pub(crate) fn symmetry(&self) -> Option<Symmetry> {
         let over = self.departure.as_ref().map(|(process, _)| process.over)?;
-        (over != DepartureOver::Feet).then(|| over.symmetry())
+        (!over.is_small()).then(|| over.symmetry())
     }
 
     /// Principal curvatures `k1 >= k2` at the foot of a place, the normal towards the free side.

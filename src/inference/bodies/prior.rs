@@ -44,7 +44,7 @@ pub(super) fn log_prior_of_axis(base: &Primitive, over: DepartureOver) -> f64 {
     let direction = -(2.0 * PI).ln();
     let across = base.own([0.0; 3]);
     match over {
-        DepartureOver::Feet | DepartureOver::Space => 0.0,
+        DepartureOver::Feet | DepartureOver::Section | DepartureOver::Space => 0.0,
         // the axis passes near the contacts
         DepartureOver::Turned => direction - (2.0 * PI * (1.0 + across[0].hypot(across[1]))).ln(),
         DepartureOver::Extruded => direction,

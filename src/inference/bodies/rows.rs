@@ -51,17 +51,18 @@ pub(super) struct RowGrams {
 }
 
 impl BaseRows {
-    /// Of the contacts that belong to a primitive.
-    pub(super) fn new(primitive: &Primitive, members: &[usize], sample: &BodySample) -> BaseRows {
+    /// Of the contacts that belong to a primitive, for departures that are small.
+    pub(super) fn new(primitive: &Primitive, over: DepartureOver, members: &[usize], sample: &BodySample) -> BaseRows {
         let free = primitive.kind.free();
         let width = free.len() + 1;
-        let mut found = BaseRows::empty(DepartureOver::Feet, free.len(), members, sample);
+        let mut found = BaseRows::empty(over, free.len(), members, sample);
         for (r, &i) in members.iter().enumerate() {
             let place = sample.points[i];
             let (d, normal) = primitive.nearest(place);
             let given = sample.normal(i).map(|n| aligned(n, normal));
             let all = rows(primitive, place, given.unwrap_or([0.0; 3]));
-            found.places.push(along(place, -d, normal));
+            let foot = along(place, -d, normal);
+            found.places.push(over.coordinates(primitive, place, foot));
             free.iter().enumerate().for_each(|(c, &a)| found.distances[(r, c)] = all[0].1[a]);
             found.distances[(r, width - 1)] = d;
             if given.is_none() {
@@ -78,7 +79,7 @@ impl BaseRows {
                 }
                 found.tangential[(next, width - 1)] = project(&|k| all[1 + k].0);
             }
-            found.across.push((r, [first, second]));
+            found.across.push((r, [first, second].map(|tangent| over.along(primitive, foot, tangent))));
         }
         found
     }
@@ -92,7 +93,7 @@ impl BaseRows {
             across: Vec::with_capacity(normals),
             distances: Mat::zeros(members.len(), unknowns + 1),
             tangential: Mat::zeros(2 * normals, unknowns + 1),
-            steepness: Mat::zeros(if over == DepartureOver::Feet { 0 } else { members.len() }, unknowns + 1),
+            steepness: Mat::zeros(if over.is_small() { 0 } else { members.len() }, unknowns + 1),
             upward: Vec::new(),
         }
     }
@@ -110,7 +111,7 @@ impl BaseRows {
             let place = self.places[*r];
             tangents.map(|t| [along(place, aside, t), along(place, -aside, t)]).into_iter().flatten()
         };
-        let told = self.across.iter().filter(|_| self.over != DepartureOver::Feet);
+        let told = self.across.iter().filter(|_| !self.over.is_small());
         self.places.iter().copied().chain(told.flat_map(sides)).collect()
     }
 
@@ -124,7 +125,7 @@ impl BaseRows {
     ) -> Option<RowGrams> {
         // of a place with one number of its own it is not told whether that is noise
         let numbers = self.distances.nrows() + self.tangential.nrows();
-        if self.over != DepartureOver::Feet && 2 * spread(&self.places, of.length, most).len() > numbers {
+        if !self.over.is_small() && 2 * spread(&self.places, of.length, most).len() > numbers {
             return None;
         }
         let carriers = self.carriers(of.apart * of.length);
@@ -173,6 +174,11 @@ fn beside(rows: &Mat<f64>, places: usize) -> Mat<f64> {
 }
 
 impl RowGrams {
+    /// Whether the departure is one of the section alone.
+    pub(super) fn is_of_section(&self) -> bool {
+        self.process.as_ref().is_some_and(|process| process.over == DepartureOver::Section)
+    }
+
     /// Length of the departure.
     pub(super) fn length(&self) -> Option<f64> {
         self.process.as_ref().map(|process| process.kernel().length)

@@ -2,10 +2,12 @@
 //!
 //! ```text
 //! axes     of the modes; least spread of normals; the linear complex of normals; principal ones through the middle of a circle
-//! bases    the cylinder and the ball of the mean square distances; ellipsoids that were found, made round; a plane along the line
+//! bases    the cylinder and the ball of the mean square distances, the plane across the axis; ellipsoids that were found, made round;
+//!          a plane along the line
 //! ```
 //!
-//! A base that contacts lie deep within has its focal points near them, where its distance bends sharply: no departure makes up for that.
+//! A base that contacts lie deep within has its focal points near them, where its distance bends sharply: no departure makes up for that, and
+//! it is left out.
 
 use super::candidates::{circle, closed_forms, principal, with_normals};
 use super::coordinates::DepartureOver;
@@ -36,7 +38,7 @@ pub(super) fn symmetric_forms(sample: &BodySample, modes: &[Mode], tuning: &Tuni
     extruded.extend(from_normals(PartKind::Cylinder).map(|p| (p.origin, p.axes[2])));
     turned.extend(principal(sample).1.into_iter().filter_map(|axis| Some((circle(sample, axis)?.0, axis))));
     let of_kind = |kind: PartKind| modes.iter().map(|mode| mode.primitive).filter(move |p| p.kind == kind);
-    let bases = turned.into_iter().flat_map(|axis| [cylinder(sample, axis), ball(sample, axis)]);
+    let bases = turned.into_iter().flat_map(|axis| [cylinder(sample, axis), ball(sample, axis), across(sample, axis)]);
     let bases = bases.chain(of_kind(PartKind::Ellipsoid).flat_map(|found| rounded(&found)));
     // a tube wider than its ring has a cusp on the axis
     let rings = of_kind(PartKind::Torus).filter(|torus| torus.sizes[0] > torus.sizes[1]);
@@ -48,7 +50,26 @@ pub(super) fn symmetric_forms(sample: &BodySample, modes: &[Mode], tuning: &Tuni
         [Some(cylinder(sample, axis)), sheet(axis, narrowest)].into_iter().flatten()
     });
     let of_extruded = bases.map(|base| FreeBody { base, over: DepartureOver::Extruded });
-    of_turned.chain(of_extruded).filter(|form| form.base.is_sound(tuning.extent)).collect()
+    let is_sound = |form: &FreeBody| form.base.is_sound(tuning.extent) && !is_focal(&form.base, sample, tuning);
+    of_turned.chain(of_extruded).filter(is_sound).collect()
+}
+
+/// Whether contacts lie so near to focal points of a base that the shortest departure would have to bend as sharply as its distance does, or
+/// so much nearer than most that the surface goes through them.
+fn is_focal(base: &Primitive, sample: &BodySample, tuning: &Tuning) -> bool {
+    let shortest = tuning.free_lengths.iter().copied().fold(f64::INFINITY, f64::min);
+    let from_focal = |p: &Vector| {
+        let [x, y, z] = base.own(*p);
+        match base.kind {
+            PartKind::Cylinder | PartKind::Cone | PartKind::Torus => x.hypot(y),
+            PartKind::Sphere => x.hypot(y).hypot(z),
+            PartKind::Plane | PartKind::Ellipsoid | PartKind::Patch => f64::INFINITY,
+        }
+    };
+    let square = sample.points.iter().map(|p| from_focal(p).powi(2)).sum::<f64>() / sample.len() as f64;
+    let near = shortest.max(tuning.focal * square.sqrt());
+    // an infinite distance is never near
+    sample.points.iter().map(from_focal).any(|distance| distance.is_finite() && distance < near)
 }
 
 /// Axes of a primitive.
@@ -95,6 +116,13 @@ fn ball(sample: &BodySample, (origin, axis): (Vector, Vector)) -> Primitive {
     let origin = along(origin, height, axis);
     let sizes = [(square + variance).sqrt(), 0.0, 0.0];
     Primitive { kind: PartKind::Sphere, origin, axes: axes_along(axis), sizes, side: 1.0 }
+}
+
+/// The plane across the axis at the contacts' mean height: a bump on what is flat is smooth on its axis, where the others bend sharply.
+fn across(sample: &BodySample, (origin, axis): (Vector, Vector)) -> Primitive {
+    let [_, height, _] = moments(sample, (origin, axis));
+    let origin = along(origin, height, axis);
+    Primitive { kind: PartKind::Plane, origin, axes: axes_along(axis), sizes: [0.0; 3], side: 1.0 }
 }
 
 /// An ellipsoid made round about each of its axes.

@@ -181,6 +181,44 @@ fn derivatives_of_a_level_set_are_those_of_its_values() {
     }
 }
 
+/// A ring of an elliptical tube: about the round one its section departs all round alike, and it bends as that of the ellipse does.
+#[test]
+fn a_ring_whose_section_departs_bends_as_that_section_does() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(85);
+    let [across, upwards] = [0.4, 0.44];
+    let at = |turn: f64, tube: f64| {
+        let rho = 1.0 + across * tube.cos();
+        placed([rho * turn.cos(), rho * turn.sin(), upwards * tube.sin()])
+    };
+    let touched = |_| {
+        let [turn, tube] = [0, 1].map(|_| std::f64::consts::TAU * generator.uniform());
+        at(turn, tube)
+    };
+    let contacts: Vec<Vector> = (0..300).map(touched).collect();
+    let sample = BodySample::new(&contacts, &[], [0.0; 2]).unwrap();
+    let scale = sample.frame.scale;
+    let origin = sample.frame.to_patch(placed([0.0; 3]));
+    let sizes = [1.0 / scale, 0.42 / scale, 0.0];
+    let ring = Primitive { kind: PartKind::Torus, origin, axes: tilted(), sizes, side: 1.0 };
+    let (weights, sd) = (vec![1.0; sample.len()], [0.01, 0.02]);
+    let mode = Mode { primitive: ring, weights, sd, likelihood: 0.0, strays: FalseContacts::None };
+    let linearised = LinearisedBase::new(&mode, &sample, &tuning).departing(&tuning);
+    let nodes = linearised.nodes(0, &tuning);
+    let best = nodes.iter().max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence)).unwrap();
+    assert!(best.is_of_section(), "{:?} {:?}", best.departure, best.reading);
+    let surface = DrawnBase::likeliest(best.likeliest(&ring), best);
+    for tube in [0.4_f64, 1.3, 2.2, 3.4, 5.1] {
+        let (sin, cos) = tube.sin_cos();
+        let speed = (across * sin).hypot(upwards * cos);
+        let along = -across * upwards / speed.powi(3);
+        let round = -upwards * cos / speed / (1.0 + across * cos);
+        let [k1, k2] = surface.curvatures(sample.frame.to_patch(at(0.7, tube))).map(|k| k / scale);
+        assert!((k1 - along.max(round)).abs() < 0.05 * along.abs(), "{tube}: {k1} for {}", along.max(round));
+        assert!((k2 - along.min(round)).abs() < 0.05 * along.abs(), "{tube}: {k2} for {}", along.min(round));
+    }
+}
+
 /// The inner side of a ring, where angles of the tube pass half a turn: its map lies where contacts do, and nowhere else.
 #[test]
 fn a_map_of_the_inside_of_a_ring_lies_where_it_was_touched() {

@@ -25,6 +25,8 @@ pub struct Tuning {
     pub departures: [f64; 4],
     /// Prior probability of no departure at all.
     pub exact: f64,
+    /// Probability that a ring's departure is one of its section, the same all round: even, since necks and rims are turned as often as not.
+    pub section: f64,
     /// Mean and standard deviation of ln(sd of distances / sd of normals), lengths in the same unit: a sensor whose normals err by 3 degrees
     /// mostly errs by a fiftieth of what it touches, and a factor of five to either side is usual.
     pub log_ratio: [f64; 2],
@@ -67,6 +69,9 @@ pub struct Tuning {
     pub free_broad: [f64; 2],
     /// Two of the lengths by which its forms are rated before any is followed.
     pub free_rated: [f64; 2],
+    /// Distance of the nearest contact from focal points of a base, over the root mean square one, below which a turned surface goes through them:
+    /// necks of a quarter are seldom.
+    pub focal: f64,
     /// Forms of every symmetry that are followed to their mode.
     pub free_followed: usize,
     /// Steps to a mode: each squares what is left.
@@ -77,6 +82,11 @@ pub struct Tuning {
     pub free_features: usize,
     /// Root mean square error at contacts left out, over that of the best primitive, up to which a free surface is an answer.
     pub free_predicts: f64,
+    /// Surfaces that are drawn to tell what a free surface does not know at contacts left out: of 32 it is known to an eighth.
+    pub predicted_draws: usize,
+    /// Length of a departure from which on that of a free surface is shape, and no detail or error beside one, and a section may depart: half
+    /// the body.
+    pub shape_from: f64,
     /// Standard deviations of a contact that a free surface may go to both sides without meeting itself, or it is none.
     pub sheets_apart: f64,
     /// Share of all contacts that each of two things has at least, counting with the second what both leave out, and that is looked for as one
@@ -176,6 +186,7 @@ impl Default for Tuning {
             apart: 0.7,
             departures: [0.5, 2.0, 8.0, 32.0],
             exact: 0.5,
+            section: 0.5,
             log_ratio: [-1.0, 1.6],
             other_shape: [0.06, 0.1],
             other_body: 0.05,
@@ -194,11 +205,14 @@ impl Default for Tuning {
             free_steepness: 0.1,
             free_broad: [2.0, 2.0],
             free_rated: [0.3, 0.8],
+            focal: 0.25,
             free_followed: 2,
             free_rounds: 8,
             free_contacts: 600,
             free_features: 240,
             free_predicts: 0.5,
+            predicted_draws: 32,
+            shape_from: 0.45,
             sheets_apart: 2.0,
             other_things: 0.15,
             patch_reach_deg: 60.0,

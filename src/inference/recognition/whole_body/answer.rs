@@ -64,6 +64,21 @@ impl BodyAnswer<'_> {
         self.posterior.kind()
     }
 
+    /// Whether it is a free surface that contacts go all round.
+    pub(super) fn closes(&self) -> bool {
+        self.posterior.closes(self.sample, &self.options.tuning)
+    }
+
+    /// Whether it is a free surface that bends as broadly as a body does, about which normals scatter as a sensor's do: dimples, waves and errors
+    /// of a sensor are shorter, and of errors that places share normals know nothing. It follows each contact: a field follows very many better.
+    pub(super) fn bends_as_a_body(&self) -> bool {
+        let tuning = &self.options.tuning;
+        let Some(best) = self.posterior.best_of(self.kind()) else { return false };
+        let is_broad = best.length().is_some_and(|length| length >= tuning.shape_from);
+        let follows_each = self.sample.len() <= tuning.free_contacts;
+        follows_each && is_broad && (self.sample.known_normals() == 0 || best.is_of_a_sensor(tuning))
+    }
+
     /// Share of the contacts that are none of the body's.
     pub(super) fn false_share(&self) -> f64 {
         1.0 - self.posterior.members_of(self.kind()).len() as f64 / self.sample.len() as f64

@@ -115,33 +115,68 @@ fn none_instead(
     if doubt == PatchDoubt::AllRound { Err(all_around(normals)) } else { patch }
 }
 
-/// Whether a free surface is the answer: it has a symmetry, closes, or goes farther round than a patch may, for what does none of that is
-/// told by a patch, or by a field over it; and no patch serves as well.
+/// Whether a free surface is the answer: it has a symmetry, closes, goes farther round than a patch may, or bends as a body does where no patch
+/// follows it or contacts lie far nearer to it than to any, for what does none of that is told by a patch or by a field over it; and no patch
+/// serves as well.
 fn free_stands(patch: &Result<Recognition, RecognitionError>, doubt: PatchDoubt, free: &answer::BodyAnswer) -> bool {
     let goes_far = doubt == PatchDoubt::AllRound || matches!(patch, Err(RecognitionError::AllAround { .. }));
-    let closes = free.posterior.closes(free.sample, &free.options.tuning);
-    let is_plain = free.posterior.symmetry() == Symmetry::None && !closes;
-    (goes_far || !is_plain) && !patch.as_ref().is_ok_and(|found| serves(found, doubt, closes, free))
+    let is_other = goes_far || free.closes() || free.posterior.symmetry() != Symmetry::None;
+    match patch {
+        Ok(found) => {
+            let beside = PatchBeside::new(found, free);
+            (is_other || beside.leaves_shape()) && !beside.serves(doubt)
+        }
+        Err(RecognitionError::NotOneSheet { .. }) => is_other || free.bends_as_a_body(),
+        Err(_) => is_other,
+    }
 }
 
-/// Whether a patch tells contacts as well as a free surface that goes round a body, or as well as is asked of what goes no farther round
-/// than a patch may. A symmetry that is certain says more than a patch that lies farther from the contacts, by a little where the patch only
-/// follows them and by much where it is of a kind.
-fn serves(found: &Recognition, doubt: PatchDoubt, closes: bool, free: &answer::BodyAnswer) -> bool {
-    let (points, tuning) = (&free.given.points, &free.options.tuning);
-    let off = distances(found, points);
-    let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
-    let scatter = free.posterior.best_of(free.posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
-    let is_farther = |times: f64| times * free.sample.frame.scale * scatter <= rms;
-    let far = 1.0 / tuning.sharper;
-    let is_symmetric = free.posterior.weight_of_symmetry(Symmetry::None) < 1.0 - tuning.certain;
-    let follows = found.hypothesis == Hypothesis::Displaced;
-    let says_less = is_symmetric && is_farther(if follows { tuning.as_near } else { far });
-    match doubt {
-        PatchDoubt::Kind => !says_less,
-        PatchDoubt::Slight => !closes && !says_less,
-        PatchDoubt::Bent => !closes && !is_farther(far),
-        PatchDoubt::None | PatchDoubt::AllRound | PatchDoubt::Refused => false,
+/// A patch beside a free surface.
+struct PatchBeside<'a> {
+    /// Whether it follows the contacts wherever they go.
+    follows: bool,
+    /// Whether its normals say nothing that the places do not, which a free surface is not told.
+    is_of_places: bool,
+    /// Root mean square distance of the contacts from it, over their scatter about the free surface.
+    times: f64,
+    free: &'a answer::BodyAnswer<'a>,
+}
+
+impl<'a> PatchBeside<'a> {
+    fn new(found: &Recognition, free: &'a answer::BodyAnswer<'a>) -> PatchBeside<'a> {
+        let off = distances(found, &free.given.points);
+        let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
+        let scatter = free.posterior.best_of(free.posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
+        let times = rms / (free.sample.frame.scale * scatter);
+        let is_of_places = found.normals == NormalsUse::DerivedFromPositions;
+        PatchBeside { follows: found.hypothesis == Hypothesis::Displaced, is_of_places, times, free }
+    }
+
+    fn is_far(&self) -> bool {
+        self.times >= 1.0 / self.free.options.tuning.sharper
+    }
+
+    /// Whether what it lies far off is shape. Places alone may err together: then it is farther off than any sensor's do.
+    fn leaves_shape(&self) -> bool {
+        let sharper = self.free.options.tuning.sharper;
+        let told = if self.free.sample.known_normals() > 0 { sharper } else { sharper * sharper };
+        !self.follows && self.times * told >= 1.0 && self.free.bends_as_a_body()
+    }
+
+    /// Whether it tells contacts as well as a free surface that goes round a body, or as well as is asked of what goes no farther round than
+    /// a patch may. A symmetry that is certain says more than a patch that lies farther from the contacts, by a little where the patch only
+    /// follows them and by much where it is of a kind.
+    fn serves(&self, doubt: PatchDoubt) -> bool {
+        let tuning = &self.free.options.tuning;
+        let is_symmetric = self.free.posterior.weight_of_symmetry(Symmetry::None) < 1.0 - tuning.certain;
+        let is_farther = self.is_far() || self.follows && self.times >= tuning.as_near;
+        let says_less = is_symmetric && is_farther || self.leaves_shape();
+        match doubt {
+            PatchDoubt::Kind => self.is_of_places || !says_less,
+            PatchDoubt::Slight => !self.free.closes() && !says_less,
+            PatchDoubt::Bent => !self.free.closes() && !self.is_far(),
+            PatchDoubt::None | PatchDoubt::AllRound | PatchDoubt::Refused => false,
+        }
     }
 }
 
