@@ -38,7 +38,8 @@ impl BodyPosterior {
     pub(super) fn without_sections(&self, tuning: &Tuning) -> Option<BodyPosterior> {
         let own = self.nodes.iter().filter(|node| !node.is_of_section()).cloned().collect();
         let (nodes, weights, log_evidence) = normalised(own, tuning)?;
-        Some(BodyPosterior { nodes, weights, log_evidence, ..self.clone() })
+        let (primitives, members) = (self.primitives.clone(), self.members.clone());
+        Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: self.is_free })
     }
 
     /// Probability that there is no departure.

@@ -45,19 +45,20 @@ fn infer_beside(
     let one = posterior(&modes, sample, tuning);
     // where no primitive holds most of the contacts none is as probable as several
     let of_one = evidence_of(one.as_ref());
-    let turned_apart = one.as_ref().and_then(|one| one.without_sections(tuning));
-    let answer = one.filter(|one| is_answer(one, sample, tuning));
-    let is_sure = answer.as_ref().is_some_and(|one| one.is_exact(sample, tuning));
-    let free = if is_sure { None } else { free(sample, evidence_of(turned_apart.as_ref())) };
+    let answer_of = |one: &BodyPosterior| is_answer(one, sample, tuning);
+    let is_sure = one.as_ref().is_some_and(|one| answer_of(one) && one.is_exact(sample, tuning));
+    let beside = one.as_ref().filter(|_| !is_sure).and_then(|one| one.without_sections(tuning));
+    let free = if is_sure { None } else { free(sample, evidence_of(beside.as_ref())) };
+    let answer = one.filter(answer_of);
+    let beside = beside.filter(|_| answer.is_some());
+    let is_clear = |free: &FreeRival| beside.as_ref().is_none_or(|one| free.is_clear(one, tuning));
     let several = (!is_sure).then(|| several_things(sample, &modes, of_one, tuning)).flatten();
-    let beside = turned_apart.filter(|_| answer.is_some());
-    let clear = free.as_ref().filter(|free| beside.is_none_or(|one| free.is_clear(&one, tuning)));
     if let Some(things) = several {
-        match (&free, clear) {
-            (Some(_), Some(clear)) if clear.is_more_than_pieces(&things, tuning) => {
-                return Verdict::Free(Box::new(clear.found.clone()), None);
+        match free {
+            Some(free) if is_clear(&free) && free.is_more_than_pieces(&things, tuning) => {
+                return Verdict::Free(Box::new(free.found), None);
             }
-            (Some(free), _) if !free.is_less_than(&things, all, tuning) => {}
+            Some(ref free) if !free.is_less_than(&things, all, tuning) => {}
             _ => return Verdict::Several(things),
         }
     }
@@ -68,8 +69,8 @@ fn infer_beside(
         }
         Box::new(posterior)
     });
-    match clear {
-        Some(free) => Verdict::Free(Box::new(free.found.clone()), one),
+    match free.filter(is_clear) {
+        Some(free) => Verdict::Free(Box::new(free.found), one),
         None => one.map_or(Verdict::None, Verdict::One),
     }
 }

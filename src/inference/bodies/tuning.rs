@@ -70,7 +70,7 @@ pub struct Tuning {
     /// Two of the lengths by which its forms are rated before any is followed.
     pub free_rated: [f64; 2],
     /// Distance of the nearest contact from focal points of a base, over the root mean square one, below which a turned surface goes through them:
-    /// necks of a quarter are seldom.
+    /// necks as thin as a quarter are rare.
     pub focal: f64,
     /// Forms of every symmetry that are followed to their mode.
     pub free_followed: usize,

@@ -13,12 +13,15 @@ mod drawn_map;
 mod drawn_shapes;
 mod exchanged_axes;
 mod kept_draws;
+mod patch_beside;
 mod predicted_touches;
 
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::statistics::mad;
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
+
+use patch_beside::{PatchBeside, PatchDoubt};
 
 use crate::bodies::{self, BodyHypothesis, BodySample, Symmetry, Thing, Tuning, Verdict};
 use crate::primitives::placed::PartKind;
@@ -123,60 +126,11 @@ fn free_stands(patch: &Result<Recognition, RecognitionError>, doubt: PatchDoubt,
     let is_other = goes_far || free.closes() || free.posterior.symmetry() != Symmetry::None;
     match patch {
         Ok(found) => {
-            let beside = PatchBeside::new(found, free);
+            let beside = PatchBeside::new(found, root_mean_square(&distances(found, &free.given.points)), free);
             (is_other || beside.leaves_shape()) && !beside.serves(doubt)
         }
         Err(RecognitionError::NotOneSheet { .. }) => is_other || free.bends_as_a_body(),
         Err(_) => is_other,
-    }
-}
-
-/// A patch beside a free surface.
-struct PatchBeside<'a> {
-    /// Whether it follows the contacts wherever they go.
-    follows: bool,
-    /// Whether its normals say nothing that the places do not, which a free surface is not told.
-    is_of_places: bool,
-    /// Root mean square distance of the contacts from it, over their scatter about the free surface.
-    times: f64,
-    free: &'a answer::BodyAnswer<'a>,
-}
-
-impl<'a> PatchBeside<'a> {
-    fn new(found: &Recognition, free: &'a answer::BodyAnswer<'a>) -> PatchBeside<'a> {
-        let off = distances(found, &free.given.points);
-        let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
-        let scatter = free.posterior.best_of(free.posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
-        let times = rms / (free.sample.frame.scale * scatter);
-        let is_of_places = found.normals == NormalsUse::DerivedFromPositions;
-        PatchBeside { follows: found.hypothesis == Hypothesis::Displaced, is_of_places, times, free }
-    }
-
-    fn is_far(&self) -> bool {
-        self.times >= 1.0 / self.free.options.tuning.sharper
-    }
-
-    /// Whether what it lies far off is shape. Places alone may err together: then it is farther off than any sensor's do.
-    fn leaves_shape(&self) -> bool {
-        let sharper = self.free.options.tuning.sharper;
-        let told = if self.free.sample.known_normals() > 0 { sharper } else { sharper * sharper };
-        !self.follows && self.times * told >= 1.0 && self.free.bends_as_a_body()
-    }
-
-    /// Whether it tells contacts as well as a free surface that goes round a body, or as well as is asked of what goes no farther round than
-    /// a patch may. A symmetry that is certain says more than a patch that lies farther from the contacts, by a little where the patch only
-    /// follows them and by much where it is of a kind.
-    fn serves(&self, doubt: PatchDoubt) -> bool {
-        let tuning = &self.free.options.tuning;
-        let is_symmetric = self.free.posterior.weight_of_symmetry(Symmetry::None) < 1.0 - tuning.certain;
-        let is_farther = self.is_far() || self.follows && self.times >= tuning.as_near;
-        let says_less = is_symmetric && is_farther || self.leaves_shape();
-        match doubt {
-            PatchDoubt::Kind => self.is_of_places || !says_less,
-            PatchDoubt::Slight => !self.free.closes() && !says_less,
-            PatchDoubt::Bent => !self.free.closes() && !self.is_far(),
-            PatchDoubt::None | PatchDoubt::AllRound | PatchDoubt::Refused => false,
-        }
     }
 }
 
@@ -224,7 +178,7 @@ pub(super) fn within_its_noise(
     if mad(off.iter().copied()) <= most {
         return Ok(found);
     }
-    let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
+    let rms = root_mean_square(&off);
     let outliers = 100.0 * found.outliers as f64 / given.points.len() as f64;
     Err(RecognitionError::NotOneSheet { misfit: 100.0 * rms / found.frame.scale, outliers })
 }
@@ -234,19 +188,8 @@ fn distances(found: &Recognition, points: &[Vector]) -> Vec<f64> {
     points.iter().step_by(points.len().div_ceil(ASKED).max(1)).map(|p| found.surface.distance(*p)).collect()
 }
 
-/// Why a patch is no answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum PatchDoubt {
-    None,
-    /// The kind bends in more than one way, or leaves much to errors that neighbours share, and may be one that patches do not know.
-    Kind,
-    /// Some contacts do not belong, or lie on two sheets.
-    Slight,
-    /// It bends farther than a patch may.
-    Bent,
-    /// The contacts go farther round than it does.
-    AllRound,
-    Refused,
+fn root_mean_square(off: &[f64]) -> f64 {
+    (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt()
 }
 
 fn may_be_body(error: &RecognitionError, given: &Observations, options: &RecognitionOptions) -> bool {
