@@ -32,7 +32,7 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
     }
     let normals = model.vertex_normals();
     let triangles = model.polygons.triangles(&model.places);
-    if let Some(contacts) = sampled(&model.places, &triangles, normals.is_some()) {
+    if let Some(contacts) = sampled(&model.places, &triangles, normals.as_deref()) {
         return contacts.into_reading(file, "OBJ", options);
     }
     let names = ["x", "y", "z", "nx", "ny", "nz"];
@@ -62,33 +62,23 @@ pub(in crate::io) fn read(file: &str, bytes: &[u8], options: &ReadOptions) -> Re
 
 fn parse(text: &str) -> Result<Model, String> {
     let mut model = Model::default();
+    let mut begun = String::new();
     for (k, line) in text.lines().enumerate() {
         tell_line(text, line);
-        let mut words = line.split_whitespace();
-        let key = words.next();
-        let mut three = || -> Result<[f64; 3], String> {
-            let numbers: Option<Vec<f64>> = words.by_ref().take(3).map(|word| word.parse().ok()).collect();
-            let numbers = numbers.and_then(|n| <[f64; 3]>::try_from(n).ok());
-            numbers.ok_or_else(|| format!("line {}: {} needs three numbers", k + 1, key.unwrap_or_default()))
-        };
-        match key {
-            Some("v") => {
-                model.places.push(three()?);
-                model.lines.push(k + 1);
+        match line.trim_end().strip_suffix('\\') {
+            // a backslash at the end of a line lets it go on in the next one
+            Some(start) if !line.starts_with('#') => {
+                begun.push_str(start);
+                begun.push(' ');
             }
-            Some("vn") => model.normals.push(three()?),
-            Some("f") => {
-                model.faces += 1;
-                let mut polygon = Vec::with_capacity(4);
-                for corner in words {
-                    let vertex = model.corner(corner);
-                    polygon.push(vertex.ok_or_else(|| format!("line {}: there is no corner {corner:?}", k + 1))?);
-                }
-                model.polygons.push(polygon);
+            _ if begun.is_empty() => model.add(line, k + 1)?,
+            _ => {
+                begun.push_str(line);
+                model.add(&std::mem::take(&mut begun), k + 1)?;
             }
-            _ => {}
         }
     }
+    model.add(&begun, text.lines().count())?;
     Ok(model)
 }
 
@@ -100,6 +90,35 @@ fn index(text: &str, count: usize) -> Option<usize> {
 }
 
 impl Model {
+    /// Adds what a statement that ends in this line says.
+    fn add(&mut self, statement: &str, line: usize) -> Result<(), String> {
+        let mut words = statement.split_whitespace();
+        let key = words.next();
+        let mut three = || -> Result<[f64; 3], String> {
+            let numbers: Option<Vec<f64>> = words.by_ref().take(3).map(|word| word.parse().ok()).collect();
+            let numbers = numbers.and_then(|n| <[f64; 3]>::try_from(n).ok());
+            numbers.ok_or_else(|| format!("line {line}: {} needs three numbers", key.unwrap_or_default()))
+        };
+        match key {
+            Some("v") => {
+                self.places.push(three()?);
+                self.lines.push(line);
+            }
+            Some("vn") => self.normals.push(three()?),
+            Some("f") => {
+                self.faces += 1;
+                let mut polygon = Vec::with_capacity(4);
+                for corner in words {
+                    let vertex = self.corner(corner);
+                    polygon.push(vertex.ok_or_else(|| format!("line {line}: there is no corner {corner:?}"))?);
+                }
+                self.polygons.push(polygon);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
     /// The vertex of `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     fn corner(&mut self, corner: &str) -> Option<usize> {
         let mut parts = corner.split('/');
@@ -167,6 +186,13 @@ mod tests {
         let pair = contacts("v 1 2 3\nvn 0 0 1\nv 4 5 6\nvn 0 1 0\n");
         assert_eq!(pair.orientation, Orientation::Normals { nx: vec![0.0; 2], ny: vec![0.0, 1.0], nz: vec![1.0, 0.0] });
         assert_eq!(contacts("v 1 2 3\nv 1 2 3\nv 2 2 2\nf 1 2 3\n").orientation, Orientation::None);
+    }
+
+    #[test]
+    fn a_face_goes_on_in_the_next_line_after_a_backslash() {
+        let whole = contacts("v 1 2 3\nv 4 5 6\nv 7 8 9\nvn 0 0 1\nf 1//1 2//1 3//1\n");
+        let cut = contacts("# not \\\nv 1 2 3\nv 4 5 6\nv 7 8 \\\n9\nvn 0 0 1\nf 1//1 2//1 \\\n3//1\n");
+        assert_eq!(whole, cut);
     }
 
     #[test]

@@ -43,7 +43,7 @@ impl Soup {
 
     /// Contacts on the triangles, where these are coarse.
     pub(super) fn sampled(&self) -> Option<FacetContacts> {
-        sampled(&self.places, &self.triangles, false)
+        sampled(&self.places, &self.triangles, None)
     }
 
     /// The vertices as columns, without those that have no normal, and the number of these.

@@ -6,7 +6,7 @@
 //! coarse   a tenth of the area or more lies in facets with an edge longer than 2 h
 //! seam     where two facets meet:  flat < 0.1 degrees <= smooth < 40 degrees <= sharp
 //!
-//! seam smooth, straight on the surface (a generator of a cylinder or cone)    points along it, mean of both normals
+//! seam smooth, straight on the surface (a generator of a cylinder or cone)    points along it, normal between both
 //! seam smooth, bent along itself (a ball, a ring)                             its ends only: the chord lies inside; not at rims
 //! face flat                                                                   points within, the face's normal
 //! seam sharp or open, corner, apex                                            none: there is no one normal
@@ -24,6 +24,7 @@
 
 mod faces;
 mod joined;
+mod normals_of_file;
 mod polygon;
 mod samples;
 mod seams;
@@ -131,8 +132,13 @@ enum Sampling {
 
 /// Contacts on the surface that `triangles` between `places` stand for. `None` where the vertices are to be read as they are: what the
 /// mesh has are no facets, or they follow the noise of a scan; it is bent everywhere, and most vertices stand at rims; the file has normals
-/// of its own, and the mesh is fine or has no edges at which they are means of several faces.
-pub(super) fn sampled(places: &[Vector], triangles: &[[usize; 3]], has_normals: bool) -> Option<FacetContacts> {
+/// of its own that its facets bear out, and the mesh is fine, or has no edges at which they are means of several faces and no part without
+/// vertices.
+pub(super) fn sampled(
+    places: &[Vector],
+    triangles: &[[usize; 3]],
+    normals: Option<&[Vector]>,
+) -> Option<FacetContacts> {
     let sound = triangles.len() >= FEWEST_TRIANGLES
         && places.iter().flatten().all(|v| v.is_finite())
         && triangles.iter().flatten().all(|&v| v < places.len());
@@ -143,6 +149,7 @@ pub(super) fn sampled(places: &[Vector], triangles: &[[usize; 3]], has_normals: 
     if facets.len() < FEWEST_TRIANGLES || !facets.size.is_finite() {
         return None;
     }
+    let has_normals = normals.is_some_and(|normals| !normals_of_file::are_of_others(&facets, normals));
     if !facets.is_coarse() {
         return if has_normals { None } else { vertices::at_vertices(joined::joined(facets)) };
     }
@@ -150,7 +157,9 @@ pub(super) fn sampled(places: &[Vector], triangles: &[[usize; 3]], has_normals: 
     let vertices = facets.places.len();
     let found = samples::of(facets);
     let enough = found.vertices < found.samples.len() || 2 * found.vertices > vertices;
-    (enough && (found.has_edges || !has_normals)).then_some(found)
+    let between = found.samples.len() - found.vertices;
+    let is_bare = between as f64 > COARSE_SHARE * found.samples.len() as f64;
+    (enough && (found.has_edges || is_bare || !has_normals)).then_some(found)
 }
 
 /// The same of the polygons of a file whose vertices `columns` holds. Vertices with fingers or weights were touched, and stay contacts.
@@ -159,7 +168,10 @@ pub(super) fn sampled_polygons(columns: &Columns, polygons: &PolygonList) -> Opt
     let [x, y, z] = [Column::X, Column::Y, Column::Z].map(|column| columns.get(column));
     let (x, y, z) = (x.filter(|_| !touched)?, y?, z?);
     let places: Vec<Vector> = (0..x.len()).map(|row| [x[row], y[row], z[row]]).collect();
-    sampled(&places, &polygons.triangles(&places), columns.has(Column::Nx))
+    let [nx, ny, nz] = [Column::Nx, Column::Ny, Column::Nz].map(|column| columns.get(column));
+    let normals: Option<Vec<Vector>> =
+        nx.zip(ny).zip(nz).map(|((nx, ny), nz)| (0..x.len()).map(|row| [nx[row], ny[row], nz[row]]).collect());
+    sampled(&places, &polygons.triangles(&places), normals.as_deref())
 }
 
 impl FacetContacts {

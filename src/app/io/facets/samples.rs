@@ -3,13 +3,14 @@
 //! ```text
 //! along   p = a + (k + u) / m (b - a)         m by the share of the area, u another for every seam
 //! within  (u, v) = frac(k (0.7549, 0.5698)), folded into the triangle
+//! normal  A_m n + A_n m of the facets beside a seam, A their areas: that of the circle through three corners
 //! open    sagitta   |seam| |l_a + l_b| / 8 of bent seams, width angle / 8 across straight ones
 //! ```
 //!
 //! `l` is the lean of [`super::straight`], measured from each end into the seam. Places along seams are shifted from seam to seam, because
 //! rings at equal heights would look like a file written in coarse steps. The two numbers are M. Roberts' R2 sequence (2018).
 
-use palpate_numeric::vector::{Vector, along, minus, norm, unit_or_zero};
+use palpate_numeric::vector::{Vector, along, minus, norm, scaled, unit_or_zero};
 
 use super::faces::judge;
 use super::seams::{Seam, SeamKind, Seams, angle};
@@ -84,10 +85,12 @@ fn along_seams(facets: &Facets, straight: &[Seam], found: &mut FacetContacts) ->
         let width = seam.facets.iter().map(|&f| facets.areas[f]).sum::<f64>() / length;
         let count = shares.take(area, ALONG * length / width);
         let [n, m] = seam.facets.map(|f| facets.normals[f]);
+        // on a circle through three corners a chord's normal is off by half its own angle
+        let [of_n, of_m] = seam.facets.map(|f| facets.areas[f]);
         let shift = (0.5 + number as f64 * R2[0]).fract();
         found.samples.extend((0..count).map(|k| FacetSample {
             place: along(a, (k as f64 + shift) / count as f64, minus(b, a)),
-            normal: unit_or_zero(along(n, 1.0, m)),
+            normal: unit_or_zero(along(scaled(of_m, n), of_n, m)),
             facet: seam.facets[0],
         }));
         open = open.max(width * angle(facets, seam.facets[0], seam.facets[1]) / 8.0);
@@ -139,5 +142,33 @@ fn within_faces(facets: &Facets, flat: &[bool], found: &mut FacetContacts) {
             let place = along(along(a, u, minus(b, a)), v, minus(c, a));
             found.samples.push(FacetSample { place, normal: facets.normals[facet], facet });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use palpate_numeric::vector::{dot, unit};
+
+    use super::*;
+
+    #[test]
+    fn normals_of_a_bar_with_sides_of_unequal_widths_are_its_own() {
+        let turns: Vec<f64> = (0..17).map(|k| f64::from(22 * k).to_radians()).collect();
+        let rim = |height: f64| turns.iter().map(move |turn| [turn.cos(), turn.sin(), height]);
+        let places: Vec<Vector> = rim(0.0).chain(rim(8.0)).collect();
+        let sides = turns.len();
+        let triangles: Vec<[usize; 3]> = (0..sides)
+            .flat_map(|k| {
+                let next = (k + 1) % sides;
+                [[k, next, sides + next], [k, sides + next, sides + k]]
+            })
+            .collect();
+        let found = of(Facets::of(places, &triangles));
+        assert!(found.samples.len() > 1000);
+        let off = |sample: &FacetSample| {
+            let [x, y, _] = sample.place;
+            1.0 - dot(unit([x, y, 0.0]), sample.normal)
+        };
+        assert!(found.samples.iter().all(|sample| off(sample) < 1e-12));
     }
 }
