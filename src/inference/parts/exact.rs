@@ -29,7 +29,7 @@ use crate::primitives::descent::{Descended, Sample, rows, share_of_distances};
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::linalg::small::Square;
 use palpate_numeric::statistics::VarianceComponent;
-use palpate_numeric::vector::{dot, minus};
+use palpate_numeric::vector::{along, axes_along, dot, minus};
 
 /// Points of a cell besides its first.
 const CELL: usize = 11;
@@ -37,7 +37,7 @@ const CELL: usize = 11;
 /// Below this probability the data reject the primitive. One true primitive in a hundred is then rejected by chance.
 pub(super) const REJECTED: f64 = 0.01;
 
-/// Half angles within so many uncertainties of zero are those of cylinders: an interval of 95 % holds zero.
+/// Half angles within so many uncertainties of zero are those of cylinders, and curvatures those of planes: an interval of 95 % holds zero.
 const LIKELY: f64 = 1.96;
 
 /// Whether two noises differ by so little that a fit is the same.
@@ -75,6 +75,13 @@ impl Exact {
         let is_cone = self.descended.primitive.kind == PartKind::Cone;
         is_cone && self.covariance().is_none_or(|covariance| angle.powi(2) < LIKELY.powi(2) * covariance[6][6])
     }
+
+    /// Whether this is a ball or bar that may as well be flat: 1/r has the uncertainty u_r / r^2.
+    fn may_be_plane(&self) -> bool {
+        let Primitive { kind, sizes, .. } = self.descended.primitive;
+        let is_round = matches!(kind, PartKind::Sphere | PartKind::Cylinder);
+        is_round && self.covariance().is_some_and(|covariance| sizes[0].powi(2) < LIKELY.powi(2) * covariance[5][5])
+    }
 }
 
 /// The noise that a fit begins with.
@@ -105,7 +112,8 @@ fn squares_about(cloud: &Cloud, inner: &[u32], primitive: &Primitive) -> [f64; 2
     })
 }
 
-/// The simplest primitive of the part: a cone whose half angle's interval holds zero is a cylinder.
+/// The simplest primitive of the part: a cone whose half angle's interval holds zero is a cylinder, and a ball or bar whose curvature's does
+/// is a plane.
 pub(super) fn simplest(
     cloud: &Cloud,
     inner: &[u32],
@@ -113,13 +121,25 @@ pub(super) fn simplest(
     noise: &StartNoise,
     cells: &Cells,
 ) -> Option<Exact> {
-    let found = fitted(cloud, inner, start, noise, cells)?;
-    if !found.may_be_cylinder() {
-        return Some(found);
+    let mut found = fitted(cloud, inner, start, noise, cells)?;
+    if found.may_be_cylinder() {
+        let cone = found.descended.primitive;
+        let cylinder = Primitive { kind: PartKind::Cylinder, sizes: [cone.sizes[0].abs(), 0.0, 0.0], ..cone };
+        found = fitted(cloud, inner, &cylinder, noise, cells).unwrap_or(found);
     }
-    let cone = found.descended.primitive;
-    let cylinder = Primitive { kind: PartKind::Cylinder, sizes: [cone.sizes[0].abs(), 0.0, 0.0], ..cone };
-    fitted(cloud, inner, &cylinder, noise, cells).or(Some(found))
+    if found.may_be_plane() {
+        let plane = tangent_plane(cloud, inner, &found.descended.primitive);
+        found = fitted(cloud, inner, &plane, noise, cells).unwrap_or(found);
+    }
+    Some(found)
+}
+
+/// The plane that touches a primitive beside the middle of its points.
+fn tangent_plane(cloud: &Cloud, inner: &[u32], primitive: &Primitive) -> Primitive {
+    let share = 1.0 / inner.len().max(1) as f64;
+    let origin = inner.iter().fold([0.0; 3], |sum, &i| along(sum, share, cloud.points[i as usize]));
+    let axes = axes_along(primitive.nearest(origin).1);
+    Primitive { kind: PartKind::Plane, origin, axes, sizes: [0.0; 3], side: 1.0 }
 }
 
 /// Fits until the noise has settled, to the points that the primitive explains.
@@ -297,6 +317,33 @@ mod tests {
         assert_eq!(kind(&touched(0.0, 0.0)), PartKind::Cylinder);
         assert_eq!(kind(&touched(0.1, 0.0)), PartKind::Cone);
         assert_eq!(kind(&touched(0.0, 0.03)), PartKind::Cylinder);
+    }
+
+    /// The kind of a cap of this radius, begun as a ball.
+    fn kind_of_cap(radius: f64) -> PartKind {
+        let draws = EffectDraws::new(11, "nearly flat");
+        let contact = |k: u32| {
+            let [x, y] = [k % SIDE, k / SIDE].map(|i| f64::from(i) - 0.5 * f64::from(SIDE - 1));
+            let mut error = [0.0; 3];
+            draws.gaussians(1, u64::from(k), 3, &mut error);
+            let place = [x, y, -(x * x + y * y) / (2.0 * radius) + error[0]];
+            let slopes = [x / radius + 0.3 * error[1], y / radius + 0.3 * error[2]];
+            (place, palpate_numeric::vector::unit([slopes[0], slopes[1], 1.0]))
+        };
+        let (points, normals): (Vec<_>, Vec<_>) = (0..SIDE * SIDE).map(contact).unzip();
+        let cloud = Cloud::new(&points, normals).unwrap();
+        let members: Vec<u32> = (0..cloud.len() as u32).collect();
+        let (points, normals) = sampled(&cloud, &members, usize::MAX);
+        let sample = Sample { points: &points, normals: &normals, u_distance: 0.1, u_normal: 0.3 };
+        let ball = descended(PartKind::Sphere, &sample, &[], extent(&points)).unwrap().primitive;
+        let coarse = Noise { distance: 0.3, normal: 0.9 };
+        let begin = StartNoise { coarse, is_known: false, measured: true, tuning: &PartsTuning::default() };
+        simplest(&cloud, &members, &ball, &begin, &Cells::new(&cloud)).unwrap().descended.primitive.kind
+    }
+
+    #[test]
+    fn a_ball_whose_curvature_may_be_zero_is_a_plane() {
+        assert_eq!([kind_of_cap(200.0), kind_of_cap(1e6)], [PartKind::Sphere, PartKind::Plane]);
     }
 
     /// Planes through 13 neighbours lean at the rims of half a cone; with these as measurements its half angle was off by three u and more.

@@ -21,9 +21,13 @@ use super::result::PartUncertainty;
 /// times that of the field.
 const CLEAR: f64 = 1.96;
 
+/// Departure, in units of the cloud, within which a primitive is the surface but for the digits of the file: six of text, or those of
+/// 32-bit numbers.
+const DIGITS: f64 = 1e-6;
+
 /// Whether the data reject this primitive; `None` where it could not be tested.
 pub(super) fn is_rejected(exact: &Exact) -> Option<bool> {
-    exact.p.map(|p| p < REJECTED)
+    exact.p.map(|p| p < REJECTED && exact.departure > DIGITS)
 }
 
 /// Whether the data reject at least half of the primitives that could be tested: the cloud is then no body of primitives.

@@ -86,7 +86,7 @@ fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointS
     let mut notes = Vec::new();
     let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
     let measured = contacts.unit_normal(0).is_some();
-    let normals = super::normals(contacts, &points, options, &mut notes)?.normals;
+    let normals = super::segmentation::normals(contacts, &points, options, &mut notes)?.normals;
     let (points, _, scale) = framed(&points).ok_or(PartsError::NoExtent)?;
     let tree = Neighbours::new(&points);
     let touched = Touched { points: &points, normals: &normals, tree: &tree, measured };

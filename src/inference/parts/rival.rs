@@ -10,10 +10,10 @@
 //!
 //! The surface is given as many unknowns as the primitives have, since a free form takes what it wants.
 
-use super::cloud::framed;
+use super::cloud::{FEWEST_POINTS, framed};
+use super::segmentation::{Segmentation, is_simple};
 use super::{Parts, PartsOptions};
 use crate::bodies::{Tuning, price_of_unknowns};
-use crate::primitives::placed::PartKind;
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::draws::evenly;
@@ -24,7 +24,7 @@ use palpate_numeric::vector::Vector;
 const ROUNDED: f64 = 1e-6;
 
 /// Contacts, evenly among all, that are cut into parts to see whether it is worth it.
-const LOOKED_AT: usize = 10_000;
+const LOOKED_AT: usize = 2_500;
 
 impl Parts {
     /// The parts of contacts, where these tell them better than one surface from which they lie at `distances`; input units.
@@ -40,7 +40,15 @@ impl Parts {
         }
         let found_of = |members: &[u32]| {
             let off: Vec<f64> = members.iter().map(|i| distances[*i as usize]).collect();
-            let found = Parts::of(&contacts.in_order(members), options).ok()?;
+            let (these, places) = (contacts.in_order(members), members.iter().map(|i| points[*i as usize]));
+            let places: Vec<Vector> = places.collect();
+            if these.len() < FEWEST_POINTS || options.check().is_err() || these.check().is_err() {
+                return None;
+            }
+            // what has too few contacts in primitives need not be fitted
+            let cut = Segmentation::of(&these, &places, options).ok()?;
+            let is_worth = cut.held_by_simple_kinds() >= tuning.primitives_hold;
+            let found = is_worth.then(|| cut.parts(&options.tuning))?;
             is_likelier(&found, &off, size, &tuning).then_some(found)
         };
         // what some of very many contacts do not show, all of them need not be cut for
@@ -77,8 +85,6 @@ fn is_likelier(found: &Parts, distances: &[f64], size: f64, tuning: &Tuning) -> 
     let count = distances.len() as f64;
     let scatter = |length: f64| (length / size).max(f64::EPSILON);
     let of_one = scatter(mad(distances.iter().copied()));
-    // rings and ellipsoids follow the pieces of any smooth surface
-    let is_simple = |kind| !matches!(kind, PartKind::Patch | PartKind::Torus | PartKind::Ellipsoid);
     let primitives = found.parts.iter().filter(|part| is_simple(part.kind));
     let of_parts: Vec<ContactGroup> = primitives
         .map(|part| ContactGroup {
@@ -103,6 +109,7 @@ fn is_likelier(found: &Parts, distances: &[f64], size: f64, tuning: &Tuning) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::primitives::placed::PartKind;
     use palpate_numeric::draws::Lcg;
     use palpate_numeric::vector::{norm, unit};
 

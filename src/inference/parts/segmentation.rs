@@ -1,0 +1,215 @@
+//! Contacts cut into parts, before these are fitted exactly and described.
+//!
+//! ```text
+//! of all contacts                       regions of the whole or of the cut cloud
+//! of contacts spread over very many     the same, given to all of them
+//! ```
+
+use palpate_geometry::contact::Contacts;
+use palpate_geometry::neighbours::{Oriented, oriented};
+use palpate_numeric::vector::{Vector, dot, minus, norm, scaled};
+
+use super::against_places::contradict;
+use super::answer::{Findings, Origin};
+use super::cloud::Cloud;
+use super::error::PartsError;
+use super::local::Noise;
+use super::options::PartsOptions;
+use super::partition::{Field, NONE, Partition};
+use super::result::Parts;
+use super::settling::{given_to_all, partition};
+use super::sheet::SheetLimit;
+use super::surveyed::{LetPass, Surveyed};
+use super::tuning::PartsTuning;
+use super::{correlated_noise_merge, estimated, volume, whole};
+use crate::primitives::placed::PartKind;
+
+/// A cloud, and which part each contact is of.
+pub(super) struct Segmentation {
+    all: Surveyed,
+    partition: Partition,
+    /// What contacts scatter by, with what is let pass.
+    coarse: Noise,
+    tolerance: f64,
+    limit: SheetLimit,
+    measured: bool,
+    side_known: bool,
+    origin: Origin,
+    notes: Vec<String>,
+}
+
+impl Segmentation {
+    /// Cuts contacts, of which there are as many as neighbourhoods need.
+    pub(super) fn of(
+        contacts: &Contacts,
+        points: &[Vector],
+        options: &PartsOptions,
+    ) -> Result<Segmentation, PartsError> {
+        let tuning = &options.tuning;
+        let mut notes = Vec::new();
+        let Sided { normals, side_known, estimated } = normals(contacts, points, options, &mut notes)?;
+        if estimated && let Some(power) = volume::filled(points, tuning) {
+            return Err(PartsError::Volume { power });
+        }
+        let cloud = Cloud::new(points, normals).ok_or(PartsError::NoExtent)?;
+        let pass = LetPass::new(&cloud, options.tolerance, estimated);
+        let all = Surveyed::new(cloud, &pass, tuning);
+        let field = all.field(tuning);
+        let (partition, field, origin) = match all.cloud.spread(tuning.decided_on).filter(|_| !field.shared) {
+            None => of_whole_or_cut(!estimated, &field),
+            Some(spread) => of_spread(!estimated, Surveyed::new(spread, &pass, tuning), &field),
+        };
+        let (coarse, limit) = (field.coarse, partition.sheet_limit(&field));
+        let (tolerance, measured) = (pass.noise.distance, !estimated);
+        Ok(Segmentation { all, partition, coarse, tolerance, limit, measured, side_known, origin, notes })
+    }
+
+    /// Share of the contacts in parts of simple kinds: rings and ellipsoids follow the pieces of any smooth surface.
+    pub(super) fn held_by_simple_kinds(&self) -> f64 {
+        let Partition { parts, labels } = &self.partition;
+        let is_held = |label: &&u32| parts.get(**label as usize).is_some_and(|part| is_simple(part.kind));
+        labels.iter().filter(is_held).count() as f64 / labels.len() as f64
+    }
+
+    /// The whole answer.
+    pub(super) fn parts(self, tuning: &PartsTuning) -> Parts {
+        let Segmentation { all, partition, coarse, tolerance, limit, measured, side_known, origin, notes } = self;
+        let Surveyed { cloud, shapes, noise, cells, .. } = &all;
+        let noise = *noise;
+        Findings { cloud, shapes, noise, coarse, tolerance, cells, limit, measured, side_known, origin, tuning }
+            .parts(partition, notes)
+    }
+}
+
+/// Whether a kind does not follow the pieces of any smooth surface.
+pub(super) fn is_simple(kind: PartKind) -> bool {
+    !matches!(kind, PartKind::Patch | PartKind::Torus | PartKind::Ellipsoid)
+}
+
+/// What contacts spread over a large cloud are made of, and all of them by that.
+fn of_spread<'a>(measured: bool, spread: Surveyed, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
+    let (found, _, origin) = of_whole_or_cut(measured, &spread.field(field.tuning));
+    let (mut found, field) = given_to_all(found, &spread.cloud, field);
+    if correlated_noise_merge::absorb(&mut found, &field) {
+        found.refit(&field);
+    }
+    found.drop_strips(&field);
+    found.drop_strays(&field);
+    (found, field, origin)
+}
+
+/// The primitives of the whole cloud where they tell it more shortly than its parts do; and where they are from. They are asked for where
+/// the parts leave room for doubt; where neighbours share errors first, and are the answer if they hold nearly all.
+fn of_whole_or_cut<'a>(measured: bool, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
+    let whole = || {
+        let mut whole = whole::whole(field.cloud, measured, &field.coarse)?;
+        whole.simplify(field);
+        // facets of one body may be told as several of its size
+        whole.join(field);
+        whole.drop_strips(field);
+        Some(whole)
+    };
+    let first = if field.shared { whole() } else { None };
+    if let Some(whole) = first.as_ref().filter(|whole| whole.holds_nearly_all(field.tuning)) {
+        return (whole.clone(), *field, Origin::Whole);
+    }
+    let (cut, fine) = cut(field);
+    let has_doubt = !measured && cut.parts.len() > 1;
+    if let Some(one) = has_doubt.then(|| whole::one(&cut, field)).flatten() {
+        return (one, *field, Origin::Whole);
+    }
+    if !field.shared && cut.is_beyond_doubt(&fine) {
+        return (cut, fine, Origin::Cut);
+    }
+    if has_doubt && whole::is_free(&cut, field) {
+        return (Partition { parts: Vec::new(), labels: vec![NONE; field.cloud.len()] }, *field, Origin::Free);
+    }
+    let length = cut.description_length(field.cloud);
+    let whole = first.or_else(whole).filter(|whole| whole.description_length(field.cloud) <= length);
+    whole.map_or((cut, fine, Origin::Cut), |whole| (whole, *field, Origin::Whole))
+}
+
+fn cut<'a>(field: &Field<'a>) -> (Partition, Field<'a>) {
+    let (mut partition, field) = partition(field);
+    let field = &field;
+    if correlated_noise_merge::absorb(&mut partition, field) {
+        partition.refit(field);
+    }
+    partition.drop_waves(field);
+    partition.drop_strips(field);
+    partition.drop_strays(field);
+    (partition, *field)
+}
+
+/// Unit normals on one side, and whether something tells that it is the free one.
+pub(super) struct Sided {
+    pub(super) normals: Vec<Vector>,
+    side_known: bool,
+    /// Whether they are from the positions.
+    estimated: bool,
+}
+
+/// Unit normals on one side, from the file or from the positions.
+pub(super) fn normals(
+    contacts: &Contacts,
+    points: &[Vector],
+    options: &PartsOptions,
+    notes: &mut Vec<String>,
+) -> Result<Sided, PartsError> {
+    let given: Option<Vec<Vector>> = (0..contacts.len()).map(|r| contacts.unit_normal(r)).collect();
+    let why = match given {
+        Some(normals) if contradict(points, &normals, &options.tuning) => "the file's normals contradict its places",
+        Some(normals) => return of_file(points, normals, notes),
+        None => "there are no normals",
+    };
+    let mut normals = estimated::estimated(points, options.viewpoint, &options.tuning);
+    let closes = goes_round(&normals);
+    if options.viewpoint.is_none() && closes && !points_outwards(points, &normals) {
+        normals.iter_mut().for_each(|n| *n = scaled(-1.0, *n));
+    }
+    let (side_known, side) = match (options.viewpoint.is_some(), closes) {
+        (true, _) => (true, "towards the viewpoint"),
+        (false, true) => (true, "outwards"),
+        (false, false) => (false, "upwards, though nothing tells which side is free"),
+    };
+    notes.push(format!(
+        "{why}; they were estimated from planes through neighbours and point {side}; a convex and a concave joint \
+         change places if that is the wrong side"
+    ));
+    Ok(Sided { normals, side_known, estimated: true })
+}
+
+/// The file's own, on one side.
+fn of_file(points: &[Vector], normals: Vec<Vector>, notes: &mut Vec<String>) -> Result<Sided, PartsError> {
+    let found = oriented(points, normals, None);
+    let undecided = found.undecided();
+    let Oriented { normals, consistent, flipped: turned, .. } = found;
+    if !consistent {
+        return Err(PartsError::Normals);
+    }
+    if turned > 0 {
+        let of = points.len();
+        notes
+            .push(format!("{turned} of {of} normals point to the other side than their neighbours' and were reversed"));
+    }
+    if let Some(share) = undecided {
+        notes.push(format!(
+            "only {:.0} % of the signs of normals agree, so that nothing tells which side is free; a convex and a concave joint change \
+             places if it is the other",
+            100.0 * share
+        ));
+    }
+    Ok(Sided { normals, side_known: undecided.is_none(), estimated: false })
+}
+
+/// Normals in all directions, as of a closed body.
+fn goes_round(normals: &[Vector]) -> bool {
+    let sum = normals.iter().fold([0.0; 3], |sum, n| [0, 1, 2].map(|k| sum[k] + n[k]));
+    norm(sum) < 0.3 * normals.len() as f64
+}
+
+fn points_outwards(points: &[Vector], normals: &[Vector]) -> bool {
+    let count = points.len() as f64;
+    let mean = points.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k] / count));
+    points.iter().zip(normals).map(|(p, n)| dot(minus(*p, mean), *n)).sum::<f64>() > 0.0
+}
