@@ -47,6 +47,11 @@ const LEVEL: f64 = 0.7;
 /// one plane: the corner of a room has 0.6, the edge of a box 0.7. Such contacts are several faces, though a field may follow them.
 const FOLDED: f64 = 0.45;
 
+/// Share of the normals that point to either side of the axes' z, clearly so, from which on contacts go round more than a height field does:
+/// a sensor's stray ones are fewer.
+const BACK: f64 = 0.1;
+const CLEARLY: f64 = 0.1;
+
 /// A flexible height field takes the place of the simple shape when its error is below this share of that shape's
 /// misfit.
 const BETTER: f64 = 0.5;
@@ -126,8 +131,20 @@ impl FieldRequest<'_> {
         let over_input = self.gridded || matches!(contacts.orientation, Orientation::Slopes { .. });
         let own = if over_input { None } else { own_axes(contacts, self.recognition) };
         let own = own.filter(|axes| is_sheet(contacts, axes));
-        own.into_iter().chain([Frame::IDENTITY.axes]).collect()
+        own.into_iter().chain([Frame::IDENTITY.axes]).filter(|axes| !goes_back(contacts, axes)).collect()
     }
+}
+
+/// Whether many normals point to either side of a height field over these axes, as those of a body that was touched all round do.
+fn goes_back(contacts: &Contacts, axes: &[Vector; 3]) -> bool {
+    if !matches!(contacts.orientation, Orientation::Normals { .. }) {
+        return false;
+    }
+    let along = (0..contacts.len()).filter_map(|r| Some(dot(contacts.unit_normal(r)?, axes[2])));
+    let [up, down] = along.fold([0_usize; 2], |[up, down], cosine| {
+        [up + usize::from(cosine > CLEARLY), down + usize::from(cosine < -CLEARLY)]
+    });
+    up.min(down) as f64 > BACK * (up + down) as f64
 }
 
 /// Whether the contacts lie about one plane across the axes' z.
@@ -180,5 +197,25 @@ impl Recognition {
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         order.truncate(self.contacts);
         order
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_body_that_was_touched_all_round_goes_back_over_every_plane_and_a_dome_does_not() {
+        let touched = |most: f64| {
+            let place = |k: usize| {
+                let (down, round) = (most * ((k as f64 + 0.5) / 200.0).acos(), 2.399_963 * k as f64);
+                [down.sin() * round.cos(), down.sin() * round.sin(), down.cos()]
+            };
+            let places: Vec<Vector> = (0..200).map(place).collect();
+            Contacts::from_points(&places).with_normal_vectors(&places)
+        };
+        let axes = Frame::IDENTITY.axes;
+        assert!(!goes_back(&touched(1.0), &axes));
+        assert!(goes_back(&touched(2.0), &axes));
     }
 }
