@@ -18,7 +18,10 @@ use palpate_geometry::curvature::{ShapeClass, curvedness, shape_index};
 use palpate_numeric::linalg::small::Square;
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
-use palpate_numeric::vector::{Vector, along, dot, minus, scaled};
+use palpate_numeric::vector::{Vector, along, dot, minus, norm, scaled, unit_or_zero};
+
+/// R in units of the cloud below which what no primitive was found for is a plane all the same: rounding.
+const FLAT: f64 = 1e-6;
 
 /// Where the parts are from.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -183,13 +186,16 @@ impl Findings<'_> {
             curvedness: f.curvedness.1.map(|u| u / cloud.scale),
             ..PartUncertainty::default()
         });
+        let axis = if shape_index.is_none() && curvedness <= FLAT { common_normal(cloud, members) } else { None };
+        let is_flat = axis.is_some();
+        let class = if is_flat { Some(ShapeClass::Plane) } else { shape_index.map(ShapeClass::of_shape_index) };
         Part {
             id: 0,
-            kind: PartKind::Patch,
+            kind: if is_flat { PartKind::Plane } else { PartKind::Patch },
             hollow: false,
-            geometry: PartGeometry { point, ..PartGeometry::default() },
+            geometry: PartGeometry { point, axis, ..PartGeometry::default() },
             u,
-            class: shape_index.map(ShapeClass::of_shape_index),
+            class,
             other_class: None,
             shape_index,
             curvedness: curvedness / cloud.scale,
@@ -211,6 +217,13 @@ impl Findings<'_> {
         let variances: Vec<f64> = known.iter().map(|s| s.variance[0]).collect();
         (mean(&of_s), mean(&of_r).unwrap_or(0.0), upper_median(variances).unwrap_or(0.0).sqrt())
     }
+}
+
+/// The normal that all of these contacts have but for rounding.
+fn common_normal(cloud: &Cloud, members: &[u32]) -> Option<Vector> {
+    let along = |at: usize| members.iter().map(|&i| cloud.normals[i as usize][at]).sum::<f64>();
+    let mean = unit_or_zero([0, 1, 2].map(along));
+    members.iter().all(|&i| norm(minus(cloud.normals[i as usize], mean)) <= FLAT).then_some(mean)
 }
 
 /// The primitive, where what few touches tell does not contradict it.

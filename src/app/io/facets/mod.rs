@@ -2,7 +2,7 @@
 //! fine one the vertices say where the surface lies, and the facets around them which way it faces ([`vertices`]).
 //!
 //! ```text
-//! h = sqrt(area / 2000)                        spacing of 2000 contacts over the whole
+//! h = sqrt(area / 2000)                        spacing of 2000 contacts over the whole; small pieces ask for more
 //! coarse   a tenth of the area or more lies in facets with an edge longer than 2 h
 //! seam     where two facets meet:  flat < 0.1 degrees <= smooth < 40 degrees <= sharp
 //!
@@ -17,7 +17,7 @@
 //! facet stands for as many contacts as its area holds at the spacing h. Where all facets are small each stands for less than one, and
 //! the mesh is fine. The share of a tenth, and not the largest facet, decides, so that a scan with a filled hole stays a scan; 2 h and
 //! not h, because triangles of one mesh differ by about that much.
-//! More than 2000 contacts tell an exact surface nothing new and take longer; fewer leave small faces too few.
+//! More contacts tell an exact surface nothing new and take longer; fewer leave small faces too few.
 //!
 //! Vertices lie on the surface and facets beside it. The points that are kept lie on the surface, too; how far the facets leave it
 //! between them, the sagitta `length^2 k / 8`, is said in a note.
@@ -42,7 +42,7 @@ use super::{IoError, ReadOptions, Reading};
 pub(super) use polygon::PolygonList;
 use samples::FacetSample;
 
-/// Contacts that the whole area holds: more cost time and tell an exact surface nothing new, fewer leave small faces without any.
+/// Contacts that the whole area holds where no small pieces ask for more: more cost time and tell an exact surface nothing new.
 const PLACES: f64 = 2000.0;
 
 /// Edges in units of the spacing from which on a facet is coarse.
