@@ -109,15 +109,19 @@ impl BodyPosterior {
         let own = self.nodes.iter().zip(&self.weights).filter(|(node, _)| node.of == of);
         let Some((node, _)) = own.max_by(|a, b| a.1.total_cmp(b.1)) else { return Vec::new() };
         let near = tuning.belongs * node.scatter().hypot(node.departure_size());
-        let primitive = node.likeliest(&self.primitives[of]);
+        let primitive = self.likeliest_of(node);
         (0..all.len()).filter(|&i| primitive.nearest(all.points[i]).0.abs() <= near).collect()
     }
 
     /// The likeliest primitive of one kind.
     pub(crate) fn likeliest(&self, kind: PartKind) -> Option<Primitive> {
-        let base = |node: &BodyHypothesis| self.primitives[node.of];
-        let there = |node: &BodyHypothesis| Some(node.likeliest(&base(node))).filter(is_possible);
-        self.best_of(kind).map(|node| there(node).unwrap_or(base(node)))
+        self.best_of(kind).map(|node| self.likeliest_of(node))
+    }
+
+    /// The likeliest primitive of a hypothesis; that which it is linear about where a step from there leads to none.
+    fn likeliest_of(&self, node: &BodyHypothesis) -> Primitive {
+        let base = self.primitives[node.of];
+        Some(node.likeliest(&base)).filter(is_possible).unwrap_or(base)
     }
 
     /// Contacts that belong to the likeliest primitive of one kind.

@@ -66,13 +66,19 @@ pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPost
     Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: true })
 }
 
-/// The same with those of all contacts that lie on its likeliest surface, by what a contact scatters.
+/// The same with those of all contacts that lie on its likeliest surface, by what a contact scatters, or by what most contacts are off by
+/// where they show more than the surface follows.
 pub(crate) fn with_own_contacts(mut found: BodyPosterior, all: &BodySample, tuning: &Tuning) -> BodyPosterior {
     let Some(best) = found.best_of(found.kind()).filter(|_| all.len() > tuning.free_contacts) else { return found };
     let of = best.of;
     let surface = DrawnBase::likeliest(best.likeliest(&found.primitives[of]), best);
-    let far = tuning.belongs * best.scatter();
-    found.members[of] = (0..all.len()).filter(|i| surface.distance(all.points[*i]).abs() <= far).collect();
+    let off: Vec<f64> = all.points.iter().map(|place| surface.distance(*place)).collect();
+    let far = tuning.belongs * best.scatter().max(mad(off.iter().copied()));
+    let members: Vec<usize> = (0..all.len()).filter(|i| off[*i].abs() <= far).collect();
+    // where it has no distance from most contacts, those that it was found by are all that is known
+    if 2 * members.len() >= all.len() {
+        found.members[of] = members;
+    }
     found
 }
 

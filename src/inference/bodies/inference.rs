@@ -69,6 +69,9 @@ fn infer_beside(
         }
         Box::new(posterior)
     });
+    // what most of the contacts do not lie on is no answer, though those that it was computed from do
+    let least = (1.0 - tuning.false_most) * all.len() as f64;
+    let one = one.filter(|one| one.members_of(one.kind()).len() as f64 >= least);
     match free.filter(is_clear) {
         Some(free) => Verdict::Free(Box::new(free.found), one),
         None => one.map_or(Verdict::None, Verdict::One),

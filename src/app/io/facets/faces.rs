@@ -84,7 +84,9 @@ impl Faces {
     fn flat_facets(&self, facets: &Facets, seams: &Seams) -> Vec<bool> {
         let mut areas = vec![0.0; self.count];
         facets.areas.iter().zip(&self.of).for_each(|(area, &face)| areas[face] += area);
-        let met = SmoothMeetings::of(self, facets, seams, areas);
+        let mut counts = vec![0; self.count];
+        self.of.iter().for_each(|&face| counts[face] += 1);
+        let met = SmoothMeetings::of(self, facets, seams, (areas, counts));
         let flat: Vec<bool> = (0..self.count).map(|face| met.is_flat(face)).collect();
         self.of.iter().map(|&face| flat[face]).collect()
     }
@@ -102,13 +104,15 @@ struct Meeting {
 /// Where faces meet smoothly.
 struct SmoothMeetings {
     all: Vec<Meeting>,
+    /// Facets of each face.
+    facets: Vec<usize>,
     /// Numbers of those of each face.
     of: Vec<Vec<usize>>,
     areas: Vec<f64>,
 }
 
 impl SmoothMeetings {
-    fn of(faces: &Faces, facets: &Facets, seams: &Seams, areas: Vec<f64>) -> SmoothMeetings {
+    fn of(faces: &Faces, facets: &Facets, seams: &Seams, (areas, counts): (Vec<f64>, Vec<usize>)) -> SmoothMeetings {
         let smooth = seams.all.iter().filter(|seam| seam.kind == SeamKind::Smooth);
         let mut between: Vec<([usize; 2], f64, f64)> = smooth
             .map(|seam| {
@@ -119,7 +123,8 @@ impl SmoothMeetings {
             })
             .collect();
         between.sort_by_key(|(pair, _, _)| *pair);
-        let mut found = SmoothMeetings { all: Vec::new(), of: vec![Vec::new(); areas.len()], areas };
+        let of = vec![Vec::new(); areas.len()];
+        let mut found = SmoothMeetings { all: Vec::new(), facets: counts, of, areas };
         for group in between.chunk_by(|a, b| a.0 == b.0) {
             let length: f64 = group.iter().map(|(_, length, _)| length).sum();
             let turned: f64 = group.iter().map(|(_, length, angle)| length * angle).sum();
@@ -137,7 +142,8 @@ impl SmoothMeetings {
         area >= FLAT_BESIDE * beside || area >= beside && self.turns_as_flat(face, other)
     }
 
-    /// Whether the neighbours turn away from a face as they do from a flat one.
+    /// Whether the neighbours turn away from a face as they do from a flat one. Strips alone tell, which have two facets: single ones are
+    /// of what bends both ways.
     fn turns_as_flat(&self, face: usize, other: impl Fn(&Meeting) -> usize) -> bool {
         let width = |face: usize, meeting: &Meeting| self.areas[face] / meeting.length;
         let curvature = |k: &usize| {
@@ -146,7 +152,7 @@ impl SmoothMeetings {
         };
         let favour = |k: &usize| {
             let meeting = &self.all[*k];
-            let strip = other(meeting);
+            let strip = Some(other(meeting)).filter(|strip| self.facets[*strip] > 1)?;
             let beyond = self.of[strip].iter().filter(|other| *other != k);
             let longest = beyond.max_by(|a, b| self.all[**a].length.total_cmp(&self.all[**b].length));
             let bend = longest.map(curvature).filter(|bend| *bend > 0.0)?;

@@ -33,6 +33,7 @@ mod straight;
 mod vertices;
 mod winding;
 
+use palpate_numeric::statistics::upper_median;
 use palpate_numeric::vector::{Vector, cross, minus, norm, unit_or_zero};
 
 use super::columns::{COLUMNS, Column, Columns, Need};
@@ -47,6 +48,9 @@ const PLACES: f64 = 2000.0;
 
 /// Edges in units of the spacing from which on a facet is coarse.
 const COARSE_EDGE: f64 = 2.0;
+
+/// Edges in units of the median from which on a facet spans what has no vertices.
+const BARE_EDGE: f64 = 4.0;
 
 /// Share of the area in coarse facets from which on a mesh is.
 const COARSE_SHARE: f64 = 0.1;
@@ -110,6 +114,13 @@ impl Facets {
         let coarse = self.areas.iter().zip(&self.longest).filter(|(_, l)| **l > COARSE_EDGE * spacing);
         coarse.map(|(area, _)| area).sum::<f64>() >= COARSE_SHARE * self.area()
     }
+
+    /// Whether some of the surface has no vertices where the rest has many.
+    fn is_bare(&self) -> bool {
+        let most = BARE_EDGE * upper_median(self.longest.clone()).unwrap_or(0.0);
+        let bare = self.areas.iter().zip(&self.longest).filter(|(_, longest)| **longest > most);
+        bare.map(|(area, _)| area).sum::<f64>() >= COARSE_SHARE * self.area()
+    }
 }
 
 /// Contacts on the facets of a mesh.
@@ -154,11 +165,9 @@ pub(super) fn sampled(
         return if has_normals { None } else { vertices::at_vertices(joined::joined(facets)) };
     }
     let facets = joined::joined(facets);
-    let vertices = facets.places.len();
+    let (vertices, is_bare) = (facets.places.len(), facets.is_bare());
     let found = samples::of(facets);
     let enough = found.vertices < found.samples.len() || 2 * found.vertices > vertices;
-    let between = found.samples.len() - found.vertices;
-    let is_bare = between as f64 > COARSE_SHARE * found.samples.len() as f64;
     (enough && (found.has_edges || is_bare || !has_normals)).then_some(found)
 }
 

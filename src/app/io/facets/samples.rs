@@ -76,13 +76,13 @@ fn pieces(facets: &Facets, seams: &Seams) -> Vec<Vec<usize>> {
 }
 
 /// Gives out contacts as what stands for them adds up.
-struct Shares {
+struct Allotment {
     sum: f64,
 }
 
-impl Shares {
-    fn new() -> Shares {
-        Shares { sum: 0.5 }
+impl Allotment {
+    fn new() -> Allotment {
+        Allotment { sum: 0.5 }
     }
 
     /// Contacts of the next stretch, at most `most`.
@@ -107,7 +107,7 @@ pub(super) fn of(mut facets: Facets) -> FacetContacts {
     let mut found = FacetContacts { samples: Vec::new(), vertices: 0, has_edges: false, sampling };
     found.has_edges = seams.all.iter().any(|seam| seam.kind == SeamKind::Joint && seam.facets[0] != seam.facets[1]);
     let beside = along_seams((&facets, density), &straight, &mut found);
-    let open = beside.max(at_ends((&facets, density), &sectors, [&bent, &straight], &mut found));
+    let open = beside.max(at_ends(&facets, &sectors, [&bent, &straight], &mut found));
     found.sampling = Sampling::Between { open };
     within_faces((&facets, density), &flat, &mut found);
     found
@@ -120,13 +120,13 @@ fn along_seams((facets, density): (&Facets, f64), straight: &[Seam], found: &mut
     // a facet's area is that of its straight seams, by their lengths
     let mut lengths = vec![0.0; facets.len()];
     straight.iter().for_each(|seam| seam.facets.iter().for_each(|&f| lengths[f] += length(seam)));
-    let mut shares = Shares::new();
+    let mut allotment = Allotment::new();
     for (number, seam) in straight.iter().enumerate() {
         let [a, b] = seam.ends.map(|end| facets.places[end]);
         let length = length(seam);
         let area: f64 = seam.facets.iter().map(|&f| facets.areas[f] * length / lengths[f]).sum();
         let width = seam.facets.iter().map(|&f| facets.areas[f]).sum::<f64>() / length;
-        let count = shares.take(area * density, ALONG * length / width);
+        let count = allotment.take(area * density, ALONG * length / width);
         let [n, m] = seam.facets.map(|f| facets.normals[f]);
         // on a circle through three corners a chord's normal is off by half its own angle
         let [of_n, of_m] = seam.facets.map(|f| facets.areas[f]);
@@ -141,13 +141,9 @@ fn along_seams((facets, density): (&Facets, f64), straight: &[Seam], found: &mut
     open
 }
 
-/// Gives back how far the facets are from the surface beneath the seams.
-fn at_ends(
-    (facets, density): (&Facets, f64),
-    sectors: &Sectors,
-    [bent, straight]: [&[Seam]; 2],
-    found: &mut FacetContacts,
-) -> f64 {
+/// Gives back how far the facets are from the surface beneath the seams. Vertices stand densely where a mesh is fine, and are taken as the
+/// area asks for, lest a few details be most of the contacts.
+fn at_ends(facets: &Facets, sectors: &Sectors, [bent, straight]: [&[Seam]; 2], found: &mut FacetContacts) -> f64 {
     let mut open: f64 = 0.0;
     let mut areas = vec![0.0; 3 * facets.len()];
     for (facet, corners) in facets.corners.iter().enumerate() {
@@ -158,7 +154,7 @@ fn at_ends(
     for seam in straight {
         seam.ends.iter().for_each(|&end| taken[sectors.at(facets, seam.facets[0], end)] = true);
     }
-    let mut shares = Shares::new();
+    let mut allotment = Allotment::new();
     for seam in bent {
         let [from, to] = leans(facets, sectors, seam);
         let length = norm(minus(facets.places[seam.ends[1]], facets.places[seam.ends[0]]));
@@ -169,7 +165,7 @@ fn at_ends(
             if sectors.is_broken(sector) || std::mem::replace(&mut taken[sector], true) {
                 continue;
             }
-            if shares.take(areas[sector] * density, 1.0) > 0 {
+            if allotment.take(areas[sector] / facets.area_of_one(), 1.0) > 0 {
                 found.vertices += 1;
                 found.samples.push(FacetSample { place: facets.places[end], normal: sectors.normal(sector), facet });
             }
@@ -179,11 +175,11 @@ fn at_ends(
 }
 
 fn within_faces((facets, density): (&Facets, f64), flat: &[bool], found: &mut FacetContacts) {
-    let mut shares = Shares::new();
+    let mut allotment = Allotment::new();
     let mut number = 0;
     for facet in (0..facets.len()).filter(|&f| flat[f]) {
         let [a, b, c] = facets.corners[facet].map(|v| facets.places[v]);
-        for _ in 0..shares.take(facets.areas[facet] * density, f64::INFINITY) {
+        for _ in 0..allotment.take(facets.areas[facet] * density, f64::INFINITY) {
             number += 1;
             let [u, v] = R2.map(|r| (f64::from(number) * r).fract());
             let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
