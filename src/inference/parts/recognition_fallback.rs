@@ -21,6 +21,7 @@ use crate::recognition::{Recognition, RecognitionOptions};
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
+use palpate_numeric::threads;
 use palpate_numeric::vector::norm;
 
 /// A class at least so likely, beside the likeliest, is not contradicted. Touches that leave open whether a ridge is a dome
@@ -45,7 +46,7 @@ pub(super) struct Few {
 pub(super) fn few(cloud: &Cloud, measured: bool, members: &[Vec<u32>], exact: &[Option<Exact>]) -> Vec<Option<Few>> {
     let tested = exact.iter().flatten().any(|e| e.p.is_some());
     let asked = |k: usize| if tested { None } else { Few::of(cloud, measured, &members[k]) };
-    (0..exact.len()).map(asked).collect()
+    threads::map(exact.len(), 1, asked)
 }
 
 impl Few {
