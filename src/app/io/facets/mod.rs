@@ -33,6 +33,8 @@ mod straight;
 mod vertices;
 mod winding;
 
+use std::collections::HashSet;
+
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::vector::{Vector, cross, minus, norm, unit_or_zero};
 
@@ -73,7 +75,7 @@ struct Facets {
 }
 
 impl Facets {
-    /// Triangles without area are left out.
+    /// Triangles without area are left out, and those that stand there already, as on meshes that are drawn from both sides.
     fn of(places: Vec<Vector>, triangles: &[[usize; 3]]) -> Facets {
         let (low, high) = places.iter().fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), p| {
             ([0, 1, 2].map(|k| p[k].min(low[k])), [0, 1, 2].map(|k| p[k].max(high[k])))
@@ -81,7 +83,13 @@ impl Facets {
         let size = norm(minus(high, low));
         let (corners, normals, areas, longest) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut facets = Facets { places, corners, normals, areas, longest, size };
+        let mut known = HashSet::with_capacity(triangles.len());
         for &corners in triangles {
+            let mut sorted = corners;
+            sorted.sort_unstable();
+            if !known.insert(sorted) {
+                continue;
+            }
             let [a, b, c] = corners.map(|v| facets.places[v]);
             let across = cross(minus(b, a), minus(c, a));
             let area = norm(across) / 2.0;

@@ -1,7 +1,8 @@
 //! Where a coarse mesh is sampled, evenly by area and the same every time.
 //!
 //! ```text
-//! places  2000 over the whole, and up to 10000 for nine in ten pieces between sharp edges to have 48, twice what a part needs
+//! places  2000 over the whole, and up to 10000 for the pieces between sharp edges to have 48, twice what a part needs; but for
+//!         the smallest, which are a hundredth of the area
 //! along   p = a + (k + u) / m (b - a)         m by the share of the area, u another for every seam
 //! within  (u, v) = frac(k (0.7549, 0.5698)), folded into the triangle
 //! normal  A_m n + A_n m of the facets beside a seam, A their areas: that of the circle through three corners
@@ -29,8 +30,8 @@ const OF_PIECE: f64 = 48.0;
 /// Contacts in all at most, which parts take two seconds for.
 const MOST_PLACES: f64 = 10_000.0;
 
-/// Share of the pieces that may have fewer.
-const SMALL_PIECES: f64 = 0.1;
+/// Share of the area in the smallest pieces, which may have fewer.
+const SLIVERS: f64 = 0.01;
 
 /// Fractions whose multiples fill a square evenly.
 const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
@@ -47,8 +48,12 @@ fn density(facets: &Facets, seams: &Seams) -> f64 {
     let mut areas: Vec<f64> =
         pieces(facets, seams).into_iter().map(|piece| piece.into_iter().map(|f| facets.areas[f]).sum()).collect();
     areas.sort_by(f64::total_cmp);
-    let small = areas[(SMALL_PIECES * areas.len() as f64) as usize];
-    (OF_PIECE / small).clamp(PLACES / facets.area(), MOST_PLACES / facets.area())
+    let mut left = SLIVERS * facets.area();
+    let small = areas.iter().copied().find(|area| {
+        left -= area;
+        left < 0.0
+    });
+    (OF_PIECE / small.unwrap_or(f64::INFINITY)).clamp(PLACES / facets.area(), MOST_PLACES / facets.area())
 }
 
 /// Facets that go over into each other without a joint.
@@ -207,7 +212,11 @@ mod tests {
     #[test]
     fn small_faces_have_contacts_for_a_part_and_a_cube_has_no_more_for_it() {
         let (places, triangles) = box_of([0.0; 3], [1.0; 3]);
-        assert_eq!(of(Facets::of(places, &triangles)).samples.len(), PLACES as usize);
+        assert_eq!(of(Facets::of(places.clone(), &triangles)).samples.len(), PLACES as usize);
+        // drawn from both sides it is the same
+        let other_side = triangles.iter().map(|[a, b, c]| [*a, *c, *b]);
+        let both: Vec<[usize; 3]> = triangles.iter().copied().chain(other_side).collect();
+        assert_eq!(of(Facets::of(places, &both)).samples.len(), PLACES as usize);
         let (mut places, mut triangles) = box_of([0.0; 3], [1.0, 1.0, 1.0]);
         let (others, small) = box_of([2.0, 0.0, 0.0], [0.2, 0.2, 0.2]);
         let before = places.len();
