@@ -101,6 +101,7 @@ fn groups(pairs: &[RelationRecord]) -> Vec<Group> {
     let tied: BTreeSet<[usize; 2]> = pairs.iter().map(|pair| pair.parts).collect();
     let parts: BTreeSet<usize> = tied.iter().flatten().copied().collect();
     let are_tied = |a: usize, b: usize| tied.contains(&[a.min(b), a.max(b)]);
+    // parts that are square to the same ones are not square to each other
     let crosswise = pairs.iter().any(|pair| pair.kind == RelationKind::Perpendicular);
     let mut open = tied.clone();
     let mut found = Vec::new();
@@ -111,12 +112,11 @@ fn groups(pairs: &[RelationRecord]) -> Vec<Group> {
             ones = parts.iter().copied().filter(|c| others.iter().all(|d| are_tied(*c, *d))).collect();
         } else {
             ones.append(&mut others);
-            let more = |c: &usize, ones: &[usize]| ones.iter().all(|d| c != d && are_tied(*c, *d));
-            parts.iter().for_each(|c| {
-                if more(c, &ones) {
-                    ones.push(*c)
+            for c in &parts {
+                if ones.iter().all(|d| are_tied(*c, *d)) {
+                    ones.push(*c);
                 }
-            });
+            }
             ones.sort_unstable();
         }
         let before = open.len();

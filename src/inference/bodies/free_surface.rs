@@ -74,11 +74,7 @@ pub(crate) fn with_own_contacts(mut found: BodyPosterior, all: &BodySample, tuni
     let surface = DrawnBase::likeliest(best.likeliest(&found.primitives[of]), best);
     let off: Vec<f64> = all.points.iter().map(|place| surface.distance(*place)).collect();
     let far = tuning.belongs * best.scatter().max(mad(off.iter().copied()));
-    let members: Vec<usize> = (0..all.len()).filter(|i| off[*i].abs() <= far).collect();
-    // where it has no distance from most contacts, those that it was found by are all that is known
-    if 2 * members.len() >= all.len() {
-        found.members[of] = members;
-    }
+    found.members[of] = (0..all.len()).filter(|i| off[*i].abs() <= far).collect();
     found
 }
 

@@ -1,6 +1,6 @@
 //! From the partition to the answer: exact fits in the input's units, classes, joints, largest part first.
 
-use super::cloud::Cloud;
+use super::cloud::{Cloud, DIGITS};
 use super::evidence::Cells;
 use super::exact::{Exact, StartNoise, simplest};
 use super::free_form::{FreeForm, free_form};
@@ -19,9 +19,6 @@ use palpate_numeric::linalg::small::Square;
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, norm, scaled, unit_or_zero};
-
-/// R in units of the cloud below which what no primitive was found for is a plane all the same: rounding.
-const FLAT: f64 = 1e-6;
 
 /// Where the parts are from.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -186,7 +183,8 @@ impl Findings<'_> {
             curvedness: f.curvedness.1.map(|u| u / cloud.scale),
             ..PartUncertainty::default()
         });
-        let axis = if shape_index.is_none() && curvedness <= FLAT { common_normal(cloud, members) } else { None };
+        // what no primitive was found for may be a plane all the same
+        let axis = if shape_index.is_none() && curvedness <= DIGITS { common_normal(cloud, members) } else { None };
         let is_flat = axis.is_some();
         let class = if is_flat { Some(ShapeClass::Plane) } else { shape_index.map(ShapeClass::of_shape_index) };
         Part {
@@ -223,7 +221,7 @@ impl Findings<'_> {
 fn common_normal(cloud: &Cloud, members: &[u32]) -> Option<Vector> {
     let along = |at: usize| members.iter().map(|&i| cloud.normals[i as usize][at]).sum::<f64>();
     let mean = unit_or_zero([0, 1, 2].map(along));
-    members.iter().all(|&i| norm(minus(cloud.normals[i as usize], mean)) <= FLAT).then_some(mean)
+    members.iter().all(|&i| norm(minus(cloud.normals[i as usize], mean)) <= DIGITS).then_some(mean)
 }
 
 /// The primitive, where what few touches tell does not contradict it.

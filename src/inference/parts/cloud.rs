@@ -18,6 +18,9 @@ pub(super) const NEAREST: usize = 20;
 /// The nearest of them, along which regions grow and labels agree.
 pub(super) const LINKED: usize = 8;
 
+/// Lengths in units of the cloud's size within which a surface is exact: six digits of text, or 32-bit numbers.
+pub(super) const DIGITS: f64 = 1e-6;
+
 /// Fewest points of a cloud: the neighbours of one, and it.
 pub(super) const FEWEST_POINTS: usize = NEAREST + 4;
 

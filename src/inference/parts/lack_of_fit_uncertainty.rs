@@ -12,7 +12,7 @@
 //! of a few dozen contacts cannot be tested at all; they are judged by the rest of the cloud. S and R stay the primitive's: to take
 //! the field's would read a scanner's waves as shape.
 
-use super::cloud::Cloud;
+use super::cloud::{Cloud, DIGITS};
 use super::exact::{Exact, REJECTED};
 use super::free_form::rich_form;
 use super::result::PartUncertainty;
@@ -21,11 +21,7 @@ use super::result::PartUncertainty;
 /// times that of the field.
 const CLEAR: f64 = 1.96;
 
-/// Departure, in units of the cloud, within which a primitive is the surface but for the digits of the file: six of text, or those of
-/// 32-bit numbers.
-const DIGITS: f64 = 1e-6;
-
-/// Whether the data reject this primitive; `None` where it could not be tested.
+/// Whether the data reject this primitive by more than the digits of a file; `None` where it could not be tested.
 pub(super) fn is_rejected(exact: &Exact) -> Option<bool> {
     exact.p.map(|p| p < REJECTED && exact.departure > DIGITS)
 }

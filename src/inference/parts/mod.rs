@@ -85,7 +85,6 @@ pub use tuning::PartsTuning;
 use palpate_geometry::contact::Contacts;
 use palpate_numeric::vector::Vector;
 
-use cloud::FEWEST_POINTS;
 use few_touches::one_of_few;
 use segmentation::Segmentation;
 
@@ -95,14 +94,13 @@ impl Parts {
     /// # Errors
     /// When the contacts are faulty, too few, in one place, or their normals are none.
     pub fn of(contacts: &Contacts, options: &PartsOptions) -> Result<Parts, PartsError> {
-        options.check()?;
-        contacts.check()?;
-        let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
-        if contacts.len() < FEWEST_POINTS {
-            let normals: Option<Vec<Vector>> = (0..contacts.len()).map(|r| contacts.unit_normal(r)).collect();
-            let one = one_of_few(&points, &normals.unwrap_or_default(), Vec::new());
-            return one.ok_or(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST_POINTS });
+        match Segmentation::of(contacts, options) {
+            Ok(cut) => Ok(cut.parts(&options.tuning)),
+            Err(too_few @ PartsError::TooFew { .. }) => {
+                let normals: Option<Vec<Vector>> = (0..contacts.len()).map(|r| contacts.unit_normal(r)).collect();
+                one_of_few(&segmentation::places(contacts), &normals.unwrap_or_default(), Vec::new()).ok_or(too_few)
+            }
+            Err(error) => Err(error),
         }
-        Ok(Segmentation::of(contacts, &points, options)?.parts(&options.tuning))
     }
 }

@@ -12,6 +12,7 @@ use super::error::PartsError;
 use super::jet::{Jet, Law, Touched, jet};
 use super::options::PartsOptions;
 use super::scale_selection::{asked, law};
+use super::segmentation;
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::{Derivatives, Principal};
 use palpate_geometry::neighbours::Neighbours;
@@ -84,9 +85,9 @@ fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointS
         return Err(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST_POINTS + 1 });
     }
     let mut notes = Vec::new();
-    let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
+    let points: Vec<Vector> = segmentation::places(contacts);
     let measured = contacts.unit_normal(0).is_some();
-    let normals = super::segmentation::normals(contacts, &points, options, &mut notes)?.normals;
+    let normals = segmentation::normals(contacts, &points, options, &mut notes)?.normals;
     let (points, _, scale) = framed(&points).ok_or(PartsError::NoExtent)?;
     let tree = Neighbours::new(&points);
     let touched = Touched { points: &points, normals: &normals, tree: &tree, measured };

@@ -10,8 +10,8 @@
 //!
 //! The surface is given as many unknowns as the primitives have, since a free form takes what it wants.
 
-use super::cloud::{FEWEST_POINTS, framed};
-use super::segmentation::{Segmentation, is_simple};
+use super::cloud::{DIGITS, framed};
+use super::segmentation::{Segmentation, is_simple, places};
 use super::{Parts, PartsOptions};
 use crate::bodies::{Tuning, price_of_unknowns};
 use palpate_geometry::contact::Contacts;
@@ -19,9 +19,6 @@ use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::draws::evenly;
 use palpate_numeric::statistics::mad;
 use palpate_numeric::vector::Vector;
-
-/// Scatter in units of the contacts' size within which a surface is exact: six digits of text, or 32-bit numbers.
-const ROUNDED: f64 = 1e-6;
 
 /// Contacts, evenly among all, that are cut into parts to see whether it is worth it.
 const LOOKED_AT: usize = 2_500;
@@ -31,22 +28,17 @@ impl Parts {
     ///
     /// `None` where the surface follows the contacts, and where they cannot be cut.
     pub fn instead_of(distances: &[f64], contacts: &Contacts, options: &PartsOptions) -> Option<Parts> {
-        let points: Vec<Vector> = (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect();
+        let points: Vec<Vector> = places(contacts);
         let tuning = Tuning::default();
         let (_, _, size) = framed(&points)?;
-        let is_exact = mad(distances.iter().copied()) <= ROUNDED * size;
+        let is_exact = mad(distances.iter().copied()) <= DIGITS * size;
         if distances.len() != points.len() || is_exact || !leaves_a_pattern(distances, &points, &tuning) {
             return None;
         }
         let found_of = |members: &[u32]| {
             let off: Vec<f64> = members.iter().map(|i| distances[*i as usize]).collect();
-            let (these, places) = (contacts.in_order(members), members.iter().map(|i| points[*i as usize]));
-            let places: Vec<Vector> = places.collect();
-            if these.len() < FEWEST_POINTS || options.check().is_err() || these.check().is_err() {
-                return None;
-            }
             // what has too few contacts in primitives need not be fitted
-            let cut = Segmentation::of(&these, &places, options).ok()?;
+            let cut = Segmentation::of(&contacts.in_order(members), options).ok()?;
             let is_worth = cut.held_by_simple_kinds() >= tuning.primitives_hold;
             let found = is_worth.then(|| cut.parts(&options.tuning))?;
             is_likelier(&found, &off, size, &tuning).then_some(found)

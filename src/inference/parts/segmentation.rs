@@ -11,7 +11,7 @@ use palpate_numeric::vector::{Vector, dot, minus, norm, scaled};
 
 use super::against_places::contradict;
 use super::answer::{Findings, Origin};
-use super::cloud::Cloud;
+use super::cloud::{Cloud, FEWEST_POINTS};
 use super::error::PartsError;
 use super::local::Noise;
 use super::options::PartsOptions;
@@ -39,13 +39,14 @@ pub(super) struct Segmentation {
 }
 
 impl Segmentation {
-    /// Cuts contacts, of which there are as many as neighbourhoods need.
-    pub(super) fn of(
-        contacts: &Contacts,
-        points: &[Vector],
-        options: &PartsOptions,
-    ) -> Result<Segmentation, PartsError> {
-        let tuning = &options.tuning;
+    /// Cuts contacts.
+    pub(super) fn of(contacts: &Contacts, options: &PartsOptions) -> Result<Segmentation, PartsError> {
+        options.check()?;
+        contacts.check()?;
+        if contacts.len() < FEWEST_POINTS {
+            return Err(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST_POINTS });
+        }
+        let (points, tuning) = (&places(contacts), &options.tuning);
         let mut notes = Vec::new();
         let Sided { normals, side_known, estimated } = normals(contacts, points, options, &mut notes)?;
         if estimated && let Some(power) = volume::filled(points, tuning) {
@@ -79,6 +80,11 @@ impl Segmentation {
         Findings { cloud, shapes, noise, coarse, tolerance, cells, limit, measured, side_known, origin, tuning }
             .parts(partition, notes)
     }
+}
+
+/// Places of all contacts.
+pub(super) fn places(contacts: &Contacts) -> Vec<Vector> {
+    (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect()
 }
 
 /// Whether a kind does not follow the pieces of any smooth surface.

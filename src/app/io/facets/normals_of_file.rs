@@ -1,7 +1,7 @@
 //! Whether the normals that a file gives its vertices are those of its facets.
 //!
 //! ```text
-//! spread       largest angle between two facets around a vertex
+//! spread       twice the largest angle between one facet around a vertex and the others: no two of them differ by more
 //! of others    the vertex's normal is more than that, and a degree, from the nearest of them
 //! ```
 //!
@@ -12,8 +12,8 @@ use palpate_numeric::vector::{Vector, cross, dot, norm};
 
 use super::Facets;
 
-/// What digits of a file turn a normal by at most, in radians.
-const DIGITS: f64 = std::f64::consts::PI / 180.0;
+/// Angle, in radians, that means nothing: facets of six digits turn by a degree where they are ten thousand times as long as high.
+const SLACK: f64 = std::f64::consts::PI / 180.0;
 
 /// Whether most of the vertices that have facets have normals of another surface; which of its two sides they name does not matter.
 pub(super) fn are_of_others(facets: &Facets, normals: &[Vector]) -> bool {
@@ -25,11 +25,10 @@ pub(super) fn are_of_others(facets: &Facets, normals: &[Vector]) -> bool {
         let Some(normal) = normals.get(star[0].0).filter(|normal| norm(**normal) > 0.0) else { continue };
         let to = |facet: usize, direction: &Vector| angle(facets.normals[facet], *direction);
         let nearest = star.iter().map(|(_, facet)| to(*facet, normal)).fold(f64::INFINITY, f64::min);
-        // twice the largest angle from one of them is no less than that between any two
         let first = facets.normals[star[0].1];
         let spread = 2.0 * star.iter().map(|(_, facet)| to(*facet, &first)).fold(0.0, f64::max);
         all += 1;
-        of_others += usize::from(nearest > spread + DIGITS);
+        of_others += usize::from(nearest > spread + SLACK);
     }
     2 * of_others > all
 }
