@@ -236,6 +236,13 @@ pub(crate) struct SigmaPart {
     pub(crate) shared_over: Option<f64>,
 }
 
+impl SigmaPart {
+    /// What one point is off by in all: its own error and the one it shares with its neighbours, `sqrt(z² + shared²)`.
+    pub(crate) fn of_point(&self) -> Option<f64> {
+        self.z.map(|own| own.hypot(self.shared.unwrap_or(0.0)))
+    }
+}
+
 /// Root mean square residuals, unweighted.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct RmsPart {

@@ -108,11 +108,12 @@ fn recognition_lines(document: &FitDocument, lines: &mut Lines) {
         lines.add("found as", chosen.why.clone());
     }
     if let Some(sigma) = &fit.sigma {
-        let mut parts: Vec<String> = sigma.z.map(|z| format!("positions {}", significant(z, 3))).into_iter().collect();
-        parts.extend(sigma.normal_deg.map(|v| format!("normals {} deg", significant(v, 3))));
+        let mut parts: Vec<String> =
+            sigma.of_point().map(|sd| format!("positions {}", significant(sd, 3))).into_iter().collect();
         parts.extend(sigma.shared.zip(sigma.shared_over).map(|(sd, over)| {
-            format!("shared by neighbours {} over a distance of {}", significant(sd, 3), significant(over, 3))
+            format!("of that shared by neighbours {} over a distance of {}", significant(sd, 3), significant(over, 3))
         }));
+        parts.extend(sigma.normal_deg.map(|v| format!("normals {} deg", significant(v, 3))));
         lines.add("noise", parts.join(",  "));
     }
     if let Some(lack) = &fit.lack_of_fit {

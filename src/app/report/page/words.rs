@@ -145,15 +145,15 @@ fn in_space(document: &FitDocument) -> Vec<String> {
 pub(super) fn noise(document: &FitDocument) -> Option<String> {
     let (sigma, lengths) = (document.fit.sigma.as_ref()?, Lengths::of(document));
     let mut parts: Vec<String> =
-        sigma.z.map(|z| format!("{} in position", lengths.of_size(significant(z, 3)))).into_iter().collect();
-    parts.extend(sigma.normal_deg.map(|v| format!("{} degrees in the normal", significant(v, 3))));
-    parts.extend(sigma.slope.map(|v| format!("{} in the slope", significant(v, 3))));
+        sigma.of_point().map(|sd| format!("{} in position", lengths.of_size(significant(sd, 3)))).into_iter().collect();
     if let (Some(sd), Some(over)) = (sigma.shared, sigma.shared_over) {
         parts.push({
             let [sd, over] = [sd, over].map(|v| lengths.of_size(significant(v, 3)));
-            format!("{sd} shared by neighbours over a distance of {over}")
+            format!("of that {sd} shared by neighbours over a distance of {over}")
         });
     }
+    parts.extend(sigma.normal_deg.map(|v| format!("{} degrees in the normal", significant(v, 3))));
+    parts.extend(sigma.slope.map(|v| format!("{} in the slope", significant(v, 3))));
     (!parts.is_empty()).then(|| format!("Noise of one contact (standard deviation): {}.", parts.join(", ")))
 }
 

@@ -157,7 +157,7 @@ fn off(document: &FitDocument) -> Option<(&'static str, String)> {
     };
     let recognised = fit.chosen.as_ref().is_some_and(|chosen| chosen.hypothesis.is_some());
     if let (true, Some(sigma)) = (recognised, &fit.sigma) {
-        let points = sigma.z.map(|z| format!("measured points scatter by about {}", length(z)));
+        let points = sigma.of_point().map(|sd| format!("measured points scatter by about {}", length(sd)));
         let normals = sigma.normal_deg.map(|v| format!("normals by about {} degrees", significant(v, 2)));
         let both: Vec<String> = points.into_iter().chain(normals).collect();
         let sds = if both.len() == 1 { "standard deviation" } else { "standard deviations" };
