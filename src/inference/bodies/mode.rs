@@ -14,7 +14,8 @@ use statrs::function::erf::erf_inv;
 
 use super::sample::BodySample;
 use super::tuning::Tuning;
-use crate::primitives::descent::{PrimitiveRow, complete, damped_step, row_of_distance, rows_of_normal};
+use crate::primitives::descent::damped_step;
+use crate::primitives::normal_equations::{NormalEquations, WeightedContact};
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
 use palpate_numeric::linalg::small::{NotPositiveDefinite, Square};
@@ -249,16 +250,6 @@ struct WeightedRows<'a> {
 }
 
 impl WeightedRows<'_> {
-    /// Adds a row to the equations, and returns its square.
-    fn add(&mut self, (residual, row): &PrimitiveRow, weight: f64, free: &[usize]) -> f64 {
-        for (k, &a) in free.iter().enumerate() {
-            let heavy = weight * row[a];
-            self.gradient[a] += heavy * residual;
-            free[..=k].iter().for_each(|&b| self.matrix[a][b] += heavy * row[b]);
-        }
-        weight * residual * residual
-    }
-
     fn sum(&self, primitive: &Primitive) -> f64 {
         let each = offsets(primitive, self.sample);
         let one = |((d, off), w): (&(f64, Option<f64>), &f64)| {
@@ -274,22 +265,14 @@ impl ResidualModel for WeightedRows<'_> {
     type Error = NotPositiveDefinite;
 
     fn linearise(&mut self, at: &Primitive) -> f64 {
-        (self.matrix, self.gradient) = ([[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS], [0.0; MOST_UNKNOWNS]);
-        let free = at.kind.free();
-        let mut sum = 0.0;
-        for (i, w) in self.weights.iter().enumerate() {
-            let q = at.own(self.sample.points[i]);
-            let jet = at.at(q);
-            sum += self.add(&row_of_distance(&jet, q), w * self.precision[0], free);
-            if let Some(normal) = self.sample.normal(i) {
-                let given = at.axes.map(|axis| dot(axis, normal));
-                let outwards = jet.gradient.map(|g| at.side * g);
-                let each = rows_of_normal(at, &jet, q, aligned(given, outwards));
-                sum += each.iter().map(|row| self.add(row, w * self.precision[1], free)).sum::<f64>();
-            }
-        }
-        complete(&mut self.matrix, free);
-        sum
+        let contact = |(i, w): (usize, &f64)| WeightedContact {
+            point: self.sample.points[i],
+            normal: self.sample.normal(i),
+            weights: self.precision.map(|precision| w * precision),
+        };
+        let here = NormalEquations::new(at, aligned, self.weights.iter().enumerate().map(contact));
+        (self.matrix, self.gradient) = (here.matrix, here.gradient);
+        here.sum
     }
 
     fn solve(&mut self, damping: f64) -> Result<[f64; MOST_UNKNOWNS], NotPositiveDefinite> {

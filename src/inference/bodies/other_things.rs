@@ -16,6 +16,7 @@ use super::sample::BodySample;
 use super::search::{minorities, modes};
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
+use palpate_numeric::threads;
 
 /// Whether contacts lie beside a line.
 fn spans(sample: &BodySample, tuning: &Tuning) -> bool {
@@ -42,21 +43,22 @@ impl Thing {
 /// further ones in what both leave out.
 pub(super) fn several_things(sample: &BodySample, known: &[Mode], of_one: f64, tuning: &Tuning) -> Option<Vec<Thing>> {
     let parallel = known.iter().flat_map(|found| on_either_side(&found.primitive, sample, tuning));
-    let sheets: Vec<Mode> = parallel
-        .filter_map(|start| mode(&Candidate::new(start, FalseContacts::Some, tuning), sample, tuning))
-        .collect();
+    let beside: Vec<Candidate> = parallel.map(|start| Candidate::new(start, FalseContacts::Some, tuning)).collect();
+    let sheets = threads::map(beside.len(), 1, |k| mode(&beside[k], sample, tuning));
+    let sheets: Vec<Mode> = sheets.into_iter().flatten().collect();
     let with_evidence = |first| Some((of_one_thing(first, sample, tuning)?, first));
     let few = minorities(sample, tuning);
     let mut firsts: Vec<(f64, &Mode)> = known.iter().chain(&sheets).chain(&few).filter_map(with_evidence).collect();
     firsts.retain(|(_, first)| is_near(first, tuning) && leaves_enough(sample, first, tuning));
     firsts.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let split = |(of_first, first): (f64, &'_ Mode)| {
+    let split = |k: usize| {
+        let (of_first, first) = firsts[k];
         let others = sample.only(&first.others());
         let second = next_thing(&others, tuning)?;
         Some((of_first + second.gain, first.clone(), second.thing, others.only(&second.left)))
     };
-    let rated = firsts.into_iter().take(tuning.firsts).filter_map(split);
-    let splits: Vec<(f64, Mode, Thing, BodySample)> = rated.collect();
+    let rated = threads::map(firsts.len().min(tuning.firsts), 1, split);
+    let splits: Vec<(f64, Mode, Thing, BodySample)> = rated.into_iter().flatten().collect();
     let most = splits.iter().map(|split| split.0).fold(f64::NEG_INFINITY, f64::max);
     // of those that are as good the simplest
     let as_good = splits.into_iter().filter(|split| split.0 > most - tuning.clearly);
@@ -138,8 +140,12 @@ fn next_thing(rest: &BodySample, tuning: &Tuning) -> Option<NextThing> {
         let own = rated.iter().filter(|(_, m)| m.primitive.kind == kind && is_rival(m));
         own.max_by(by_gain)
     };
-    let with_next = SIMPLE.into_iter().filter_map(of_kind).map(|(own, m)| (own + of_next(m, rest, tuning), *own, *m));
-    let most = with_next.max_by(|a, b| a.0.total_cmp(&b.0));
+    let rivals: Vec<&(f64, &Mode)> = SIMPLE.into_iter().filter_map(of_kind).collect();
+    let with_next = threads::map(rivals.len(), 1, |k| {
+        let (own, m) = *rivals[k];
+        (own + of_next(m, rest, tuning), own, m)
+    });
+    let most = with_next.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((_, of_simple, simple)) = most.filter(|(both, ..)| *both > gain) {
         (gain, chosen) = (of_simple, simple);
     }

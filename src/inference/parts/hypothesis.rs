@@ -10,7 +10,7 @@
 
 use super::cloud::{Cloud, LINKED, NEAREST};
 use super::local::Noise;
-use crate::primitives::descent::{Descended, Sample, descend, sum_of_squares};
+use crate::primitives::descent::{Descended, Sample, descend_roughly, sum_of_squares};
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::primitives::starts::starts;
 use palpate_numeric::vector::{Vector, along, dot, minus};
@@ -65,14 +65,16 @@ pub(super) fn best(sample: &Sample, before: &[Primitive]) -> Option<Scored> {
     found
 }
 
-/// The best descent of one kind.
+/// The best descent of one kind, to the digits that tell it from others.
 pub(super) fn descended(kind: PartKind, sample: &Sample, before: &[Primitive], extent: f64) -> Option<Descended> {
     let mut all = starts(kind, sample);
     all.extend(before.iter().filter(|p| p.kind == kind));
     all.retain(|start| start.is_sound(1e3 * extent));
     // of several starts the two nearest to the points are worth a descent
-    all.sort_by(|a, b| sum_of_squares(a, sample).total_cmp(&sum_of_squares(b, sample)));
-    let found = all.iter().take(2).filter_map(|start| descend(start, sample));
+    let mut rated: Vec<(f64, Primitive)> =
+        all.into_iter().map(|start| (sum_of_squares(&start, sample), start)).collect();
+    rated.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let found = rated.iter().take(2).filter_map(|(_, start)| descend_roughly(start, sample));
     let is_sound = |d: &Descended| d.primitive.is_sound(extent) && d.sum.is_finite();
     let least = |a: Descended, b: Descended| if b.sum < a.sum { b } else { a };
     let found = found.filter(is_sound).reduce(least)?;
@@ -80,7 +82,7 @@ pub(super) fn descended(kind: PartKind, sample: &Sample, before: &[Primitive], e
     let dual = found.primitive.dual_ring(middle(sample.points));
     let near =
         dual.filter(|dual| dual.is_sound(extent) && sum_of_squares(dual, sample) < CAP * sample.points.len() as f64);
-    let other = near.and_then(|dual| descend(&dual, sample)).filter(is_sound);
+    let other = near.and_then(|dual| descend_roughly(&dual, sample)).filter(is_sound);
     Some(other.map_or(found, |other| least(found, other)))
 }
 
@@ -219,7 +221,7 @@ mod tests {
         let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..250).map(contact).unzip();
         let sample = Sample { points: &points, normals: &normals, u_distance: 0.01, u_normal: 0.02 };
         let dual = groove.dual_ring([8.5, 0.0, 0.0]).unwrap();
-        let alone = descend(&dual, &sample).unwrap().primitive;
+        let alone = descend_roughly(&dual, &sample).unwrap().primitive;
         assert!(alone.sizes[1] > 3.0, "{alone:?}");
         let found = descended(PartKind::Torus, &sample, &[dual], extent(&points)).unwrap().primitive;
         assert!((found.sizes[0] - 10.0).abs() < 0.3 && (found.sizes[1] - 1.5).abs() < 0.02, "{found:?}");

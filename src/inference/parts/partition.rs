@@ -17,7 +17,7 @@ use super::local::{LocalShape, Noise};
 use super::scatter::PartsScatter;
 use super::sheet::SheetLimit;
 use super::tuning::PartsTuning;
-use crate::primitives::descent::Sample;
+use crate::primitives::descent::{Sample, descend};
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::statistics::{MAD_TO_SD, RAYLEIGH_TO_SD, mad, upper_median};
 use palpate_numeric::threads;
@@ -328,5 +328,6 @@ pub(super) fn exact(
 ) -> Option<crate::primitives::descent::Descended> {
     let (points, normals) = sampled(cloud, inner, usize::MAX);
     let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
-    descended(primitive.kind, &sample, &[*primitive], extent(&points))
+    let near = descended(primitive.kind, &sample, &[*primitive], extent(&points))?;
+    descend(&near.primitive, &sample)
 }

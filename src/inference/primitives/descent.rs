@@ -10,6 +10,7 @@
 //! PrimitiveRows come from [`Primitive::at`], so a new primitive brings its distance and nothing else. D. W. Marquardt, *J. SIAM*
 //! 11 (1963) 431.
 
+use super::normal_equations::{NormalEquations, WeightedContact};
 use super::placed::{MOST_UNKNOWNS, Primitive};
 use palpate_geometry::primitives::DistanceJet;
 use palpate_numeric::levenberg_marquardt::{self, ResidualModel, Settings};
@@ -26,8 +27,11 @@ const SETTINGS: Settings = Settings {
     trials: 40,
 };
 
-/// A step that lowers the sum by less than this share ends the descent.
+/// A step that lowers the sum by less than this share ends a descent to the last digit.
 const SETTLED: f64 = 1e-10;
+
+/// The same while kinds are compared and regions grow, where some digits of the sum decide: half of the steps.
+const ROUGHLY_SETTLED: f64 = 1e-7;
 
 /// Points with normals, and how far each is off.
 #[derive(Clone, Copy, Debug)]
@@ -77,15 +81,15 @@ pub(crate) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [PrimitiveRow
 }
 
 /// A residual and its derivatives by all unknowns.
-pub(crate) type PrimitiveRow = (f64, [f64; MOST_UNKNOWNS]);
+type PrimitiveRow = (f64, [f64; MOST_UNKNOWNS]);
 
 /// The row of a distance, at a place in the primitive's own axes.
-pub(crate) fn row_of_distance(at: &DistanceJet, q: Vector) -> PrimitiveRow {
+fn row_of_distance(at: &DistanceJet, q: Vector) -> PrimitiveRow {
     (at.distance, distance_row(at, q))
 }
 
 /// The rows of a normal, at a place and with the normal in the primitive's own axes.
-pub(crate) fn rows_of_normal(primitive: &Primitive, at: &DistanceJet, q: Vector, m: Vector) -> [PrimitiveRow; 3] {
+fn rows_of_normal(primitive: &Primitive, at: &DistanceJet, q: Vector, m: Vector) -> [PrimitiveRow; 3] {
     let s = primitive.side;
     let mut all = [(0.0, [0.0; MOST_UNKNOWNS]); 3];
     for (k, entry) in all.iter_mut().enumerate() {
@@ -141,32 +145,11 @@ pub(crate) fn sum_of_squares(primitive: &Primitive, sample: &Sample) -> f64 {
 
 /// Normal matrix, gradient and sum of squares at a primitive.
 fn reached(primitive: Primitive, sample: &Sample) -> ReachedPrimitive {
-    let (mut matrix, mut gradient, mut sum) = ([[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS], [0.0; MOST_UNKNOWNS], 0.0);
-    let free = primitive.kind.free();
     let weights = [sample.u_distance.powi(-2), sample.u_normal.powi(-2)];
-    for (p, n) in sample.points.iter().zip(sample.normals) {
-        for (number, (residual, row)) in rows(&primitive, *p, *n).into_iter().enumerate() {
-            let weight = weights[usize::from(number > 0)];
-            sum += weight * residual * residual;
-            for (k, &i) in free.iter().enumerate() {
-                let heavy = weight * row[i];
-                gradient[i] += heavy * residual;
-                free[..=k].iter().for_each(|&j| matrix[i][j] += heavy * row[j]);
-            }
-        }
-    }
-    complete(&mut matrix, free);
+    let contacts = sample.points.iter().zip(sample.normals);
+    let weighted = contacts.map(|(p, n)| WeightedContact { point: *p, normal: Some(*n), weights });
+    let NormalEquations { matrix, gradient, sum } = NormalEquations::new(&primitive, |given, _| given, weighted);
     ReachedPrimitive { at: Descended { primitive, sum, matrix }, gradient }
-}
-
-/// Fills the upper triangle, and the diagonal of unknowns that are not free with ones.
-pub(crate) fn complete(matrix: &mut Square<MOST_UNKNOWNS>, free: &[usize]) {
-    for i in 0..MOST_UNKNOWNS {
-        (0..i).for_each(|j| matrix[j][i] = matrix[i][j]);
-        if !free.contains(&i) {
-            matrix[i][i] = 1.0;
-        }
-    }
 }
 
 /// Marquardt's step: the diagonal raised by a share, the equations scaled to ones on it.
@@ -197,6 +180,8 @@ struct PrimitiveRows<'a> {
     /// About which the primitive is turned.
     centre: Vector,
     here: ReachedPrimitive,
+    /// Share of the sum below which a step ends the descent.
+    settled: f64,
 }
 
 impl ResidualModel for PrimitiveRows<'_> {
@@ -224,17 +209,26 @@ impl ResidualModel for PrimitiveRows<'_> {
     }
 
     fn is_settled(&mut self, _: &[f64; MOST_UNKNOWNS], before: f64, after: f64) -> bool {
-        before - after <= SETTLED * before
+        before - after <= self.settled * before
     }
 }
 
-/// Descends from `start`; `None` where the points do not determine this kind of primitive.
+/// Descends from `start` to the last digit; `None` where the points do not determine this kind of primitive.
 pub(crate) fn descend(start: &Primitive, sample: &Sample) -> Option<Descended> {
+    descend_until(SETTLED, start, sample)
+}
+
+/// The same to as many digits as it takes to compare kinds.
+pub(crate) fn descend_roughly(start: &Primitive, sample: &Sample) -> Option<Descended> {
+    descend_until(ROUGHLY_SETTLED, start, sample)
+}
+
+fn descend_until(settled: f64, start: &Primitive, sample: &Sample) -> Option<Descended> {
     let count = sample.points.len() as f64;
     let sum_of = sample.points.iter().fold([0.0; 3], |sum, p| along(sum, 1.0, *p));
     let centre = sum_of.map(|v| v / count);
     let mut found = reached(start.about(centre), sample);
-    let mut rows = PrimitiveRows { sample, centre, here: found };
+    let mut rows = PrimitiveRows { sample, centre, here: found, settled };
     // a matrix that has no factor under any damping leaves the primitive where it is
     let _ = levenberg_marquardt::descend(&mut rows, &mut found, &mut SETTINGS.first.clone(), &SETTINGS);
     found.at.sum.is_finite().then_some(found.at)

@@ -87,6 +87,7 @@ pub(crate) struct Primitive {
 
 impl Primitive {
     /// The point in the primitive's own axes.
+    #[inline]
     pub(crate) fn own(&self, p: Vector) -> Vector {
         let offset = minus(p, self.origin);
         self.axes.map(|axis| dot(axis, offset))
