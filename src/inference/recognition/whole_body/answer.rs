@@ -123,8 +123,11 @@ impl BodyAnswer<'_> {
 
     /// Whether the normals, where there are any, follow the body: normals at random would follow any as badly.
     pub(super) fn explains_normals(&self) -> bool {
-        let sd = self.posterior.best_of(self.kind()).map_or(f64::INFINITY, |best| best.sd_of_normals());
-        self.sample.known_normals() == 0 || sd < self.options.tuning.random_normals
+        self.sample.known_normals() == 0 || self.sd_of_normals() < self.options.tuning.random_normals
+    }
+
+    pub(super) fn sd_of_normals(&self) -> f64 {
+        self.posterior.best_of(self.kind()).map_or(f64::INFINITY, BodyHypothesis::sd_of_normals)
     }
 
     /// # Errors

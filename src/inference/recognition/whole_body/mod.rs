@@ -13,6 +13,7 @@ mod drawn_map;
 mod drawn_shapes;
 mod exchanged_axes;
 mod kept_draws;
+mod normals_of_neighbours;
 mod patch_beside;
 mod predicted_touches;
 
@@ -21,6 +22,7 @@ use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::statistics::mad;
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
+use normals_of_neighbours::are_alike;
 use patch_beside::{PatchBeside, PatchDoubt};
 
 use crate::bodies::{self, BodyHypothesis, BodySample, Symmetry, Thing, Tuning, Verdict};
@@ -71,7 +73,7 @@ pub(super) fn instead(
             }
             _ => Err(several(&sample, &things)),
         },
-        Verdict::One(posterior) => one_instead(patch, doubt, &question.of(&posterior)),
+        Verdict::One(posterior) => one_instead(patch, doubt, &question.of(&posterior), normals),
         Verdict::Free(free, one) => {
             let one = one.as_deref().map(|one| question.of(one));
             let is_of_kind = one.is_some_and(|one| one.is_of_simple_kind());
@@ -79,7 +81,7 @@ pub(super) fn instead(
                 _ if !is_of_kind && free_stands(&patch, doubt, &question.of(&free)) => {
                     question.of(&bodies::with_own_contacts(*free, &sample, &options.tuning)).checked()
                 }
-                Some(one) => one_instead(patch, doubt, &one),
+                Some(one) => one_instead(patch, doubt, &one, normals),
                 None => none_instead(patch, doubt, normals),
             }
         }
@@ -87,14 +89,18 @@ pub(super) fn instead(
     }
 }
 
-/// The answer of a primitive, unless the patch tells as much.
+/// The answer of a primitive, unless the patch tells as much, or the normals are those of another surface.
 fn one_instead(
     patch: Result<Recognition, RecognitionError>,
     doubt: PatchDoubt,
     body: &answer::BodyAnswer,
+    normals: &[Vector],
 ) -> Result<Recognition, RecognitionError> {
     body.check_axes_of_normals()?;
     let tuning = &body.options.tuning;
+    if !body.explains_normals() && are_alike(body.sample, body.sd_of_normals(), tuning) {
+        return none_instead(patch, doubt, normals);
+    }
     let decisive = body.explains_normals() && body.false_share().max(body.normals_against()) >= tuning.decisive;
     let too_few = matches!(patch, Err(RecognitionError::TooFew { .. }));
     if too_few && body.probability() < tuning.sure_of_few {
