@@ -124,8 +124,13 @@ impl Residuals {
         }
     }
 
+    /// How many of the distances are independent.
+    pub(super) fn independent(&self, cells: &Cells) -> f64 {
+        cells.independent(&self.distances)
+    }
+
     /// Root mean squares of this share of the least, with what is let pass.
-    fn spread(&self, pass: &Noise, share: f64) -> Noise {
+    pub(super) fn spread(&self, pass: &Noise, share: f64) -> Noise {
         let mean = |mut squares: Vec<f64>| {
             let kept = ((share * squares.len() as f64).ceil() as usize).clamp(1, squares.len().max(1));
             if kept < squares.len() {
@@ -166,8 +171,13 @@ impl Residuals {
         let (one, two) = (self.spread(pass, share), richer.spread(pass, share));
         let of_normals = if pass.normal.is_finite() { 2.0 * (one.normal / two.normal).ln() } else { 0.0 };
         let gain = (one.distance / two.distance).ln() + of_normals;
-        let unknowns = unknowns as f64;
-        let by_chance = ChiSquared::new(unknowns).map_or(0.0, |law| law.inverse_cdf(1.0 - BY_CHANCE));
-        independent * gain - 0.5 * (unknowns * independent.ln()).max(by_chance)
+        independent * gain - price(unknowns, independent)
     }
+}
+
+/// What so many unknowns cost beside so many independent residuals.
+pub(super) fn price(unknowns: usize, independent: f64) -> f64 {
+    let unknowns = unknowns as f64;
+    let by_chance = ChiSquared::new(unknowns).map_or(0.0, |law| law.inverse_cdf(1.0 - BY_CHANCE));
+    0.5 * (unknowns * independent.ln()).max(by_chance)
 }

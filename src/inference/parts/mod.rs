@@ -29,6 +29,7 @@
 mod against_places;
 mod answer;
 mod cloud;
+mod coarser_look;
 mod correlated_noise;
 mod correlated_noise_merge;
 mod error;

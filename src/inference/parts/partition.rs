@@ -68,6 +68,18 @@ pub(super) struct Field<'a> {
 }
 
 impl Field<'_> {
+    /// The same field where so many times as large departures are let pass.
+    pub(super) fn letting_pass(&self, times: f64) -> Self {
+        let distance = times * self.pass.distance;
+        // normals of planes through neighbours are let pass as much as they ever are
+        let normal = if self.blurred { self.pass.normal } else { times * self.pass.normal };
+        let coarse = Noise {
+            distance: self.noise.distance.hypot(distance),
+            normal: if self.blurred { self.coarse.normal } else { self.noise.normal.hypot(normal) },
+        };
+        Field { pass: Noise { distance, normal }, coarse, ..*self }
+    }
+
     /// A noise by which kinds are told: normals of planes through neighbours tell nothing beside the places that they are from, and on a
     /// face that is two contacts wide they lean towards the faces beside it.
     pub(super) fn told(&self, noise: Noise) -> Noise {

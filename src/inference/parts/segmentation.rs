@@ -56,12 +56,13 @@ impl Segmentation {
         let pass = LetPass::new(&cloud, options.tolerance, estimated);
         let all = Surveyed::new(cloud, &pass, tuning);
         let field = all.field(tuning);
+        let question = PartsQuestion { measured: !estimated, tolerance: options.tolerance };
         let (partition, field, origin) = match all.cloud.spread(tuning.decided_on).filter(|_| !field.shared) {
-            None => of_whole_or_cut(!estimated, &field),
-            Some(spread) => of_spread(!estimated, Surveyed::new(spread, &pass, tuning), &field),
+            None => question.of(&field),
+            Some(spread) => question.of_spread(Surveyed::new(spread, &pass, tuning), &field),
         };
         let (coarse, limit) = (field.coarse, partition.sheet_limit(&field));
-        let (tolerance, measured) = (pass.noise.distance, !estimated);
+        let (tolerance, measured) = (field.pass.distance, !estimated);
         Ok(Segmentation { all, partition, coarse, tolerance, limit, measured, side_known, origin, notes })
     }
 
@@ -92,21 +93,57 @@ pub(super) fn is_simple(kind: PartKind) -> bool {
     !matches!(kind, PartKind::Patch | PartKind::Torus | PartKind::Ellipsoid)
 }
 
-/// What contacts spread over a large cloud are made of, and all of them by that.
-fn of_spread<'a>(measured: bool, spread: Surveyed, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
-    let (found, _, origin) = of_whole_or_cut(measured, &spread.field(field.tuning));
-    let (mut found, field) = given_to_all(found, &spread.cloud, field);
-    if correlated_noise_merge::absorb(&mut found, &field) {
-        found.refit(&field);
+/// How a cloud is asked for its parts.
+struct PartsQuestion {
+    /// Whether the normals are.
+    measured: bool,
+    /// What departures are let pass, where the user names it.
+    tolerance: Option<f64>,
+}
+
+impl PartsQuestion {
+    /// What a cloud is made of, and what it was cut by.
+    fn of<'a>(&self, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
+        let (found, fine, origin, _) = self.looked(field);
+        (found, fine, origin)
     }
-    found.drop_strips(&field);
-    found.drop_strays(&field);
-    (found, field, origin)
+
+    /// The same, with how many times as large departures are let pass.
+    fn looked<'a>(&self, field: &Field<'a>) -> (Partition, Field<'a>, Origin, f64) {
+        let once = |(found, fine, origin): (Partition, Field<'a>, Origin)| (found, fine, origin, 1.0);
+        if self.tolerance.is_some() || field.shared {
+            return once(of_whole_or_cut(self.measured, field, None));
+        }
+        // where normals are not measured, what is one surface is known before
+        if !self.measured {
+            let found = of_whole_or_cut(self.measured, field, None);
+            return found.0.at_coarser_looks(field, cut).unwrap_or_else(|| once(found));
+        }
+        let found = cut(field);
+        let coarser = found.0.at_coarser_looks(field, cut);
+        coarser.unwrap_or_else(|| once(of_whole_or_cut(self.measured, field, Some(found))))
+    }
+
+    /// What contacts spread over a large cloud are made of, and all of them by that.
+    fn of_spread<'a>(&self, spread: Surveyed, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
+        let (found, _, origin, times) = self.looked(&spread.field(field.tuning));
+        let (mut found, field) = given_to_all(found, &spread.cloud, &field.letting_pass(times));
+        if correlated_noise_merge::absorb(&mut found, &field) {
+            found.refit(&field);
+        }
+        found.drop_strips(&field);
+        found.drop_strays(&field);
+        (found, field, origin)
+    }
 }
 
 /// The primitives of the whole cloud where they tell it more shortly than its parts do; and where they are from. They are asked for where
 /// the parts leave room for doubt; where neighbours share errors first, and are the answer if they hold nearly all.
-fn of_whole_or_cut<'a>(measured: bool, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
+fn of_whole_or_cut<'a>(
+    measured: bool,
+    field: &Field<'a>,
+    known: Option<(Partition, Field<'a>)>,
+) -> (Partition, Field<'a>, Origin) {
     let whole = || {
         let mut whole = whole::whole(field.cloud, measured, &field.coarse)?;
         whole.simplify(field);
@@ -119,7 +156,7 @@ fn of_whole_or_cut<'a>(measured: bool, field: &Field<'a>) -> (Partition, Field<'
     if let Some(whole) = first.as_ref().filter(|whole| whole.holds_nearly_all(field.tuning)) {
         return (whole.clone(), *field, Origin::Whole);
     }
-    let (cut, fine) = cut(field);
+    let (cut, fine) = known.unwrap_or_else(|| cut(field));
     let has_doubt = !measured && cut.parts.len() > 1;
     if let Some(one) = has_doubt.then(|| whole::one(&cut, field)).flatten() {
         return (one, *field, Origin::Whole);
@@ -135,6 +172,7 @@ fn of_whole_or_cut<'a>(measured: bool, field: &Field<'a>) -> (Partition, Field<'
     whole.map_or((cut, fine, Origin::Cut), |whole| (whole, *field, Origin::Whole))
 }
 
+/// Regions that grow, and nothing that waves or strips make of them.
 fn cut<'a>(field: &Field<'a>) -> (Partition, Field<'a>) {
     let (mut partition, field) = partition(field);
     let field = &field;

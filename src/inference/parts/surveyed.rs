@@ -38,8 +38,9 @@ pub(super) struct LetPass {
 impl LetPass {
     pub(super) fn new(cloud: &Cloud, tolerance: Option<f64>, estimated: bool) -> LetPass {
         let unresolved = UNRESOLVED * cloud.spacing;
-        let distance = tolerance.map_or(unresolved.max(UNSEEN), |t| t / cloud.scale);
-        let degrees = if estimated { BLURRED_DEG } else { UNSEEN_DEG };
+        let unseen = unresolved.max(UNSEEN);
+        let distance = tolerance.map_or(unseen, |t| t / cloud.scale);
+        let degrees = if estimated { BLURRED_DEG } else { UNSEEN_DEG * (distance / unseen).max(1.0) };
         LetPass { noise: Noise { distance, normal: degrees.to_radians() }, unresolved, estimated }
     }
 }
