@@ -23,11 +23,11 @@ const WAVES: u64 = 40;
 const KINDS: [PartKind; 4] = [PartKind::Sphere, PartKind::Cylinder, PartKind::Cone, PartKind::Torus];
 
 /// A primitive about the z axis, its contacts, and what is true of it.
-struct Touched {
-    points: Vec<Vector>,
-    normals: Vec<Vector>,
-    spacing: f64,
-    sizes: [Option<f64>; 3],
+pub(crate) struct Touched {
+    pub(crate) points: Vec<Vector>,
+    pub(crate) normals: Vec<Vector>,
+    pub(crate) spacing: f64,
+    pub(crate) sizes: [Option<f64>; 3],
 }
 
 /// A primitive of the kind, about as large as 1.
@@ -72,7 +72,7 @@ fn touched(kind: PartKind, in_part: bool, r: &mut impl FnMut(f64, f64) -> f64) -
 }
 
 /// The contacts with errors, and the axis.
-fn with_errors(
+pub(crate) fn with_errors(
     body: &Touched,
     shared: bool,
     measured: bool,
@@ -140,7 +140,8 @@ pub(crate) fn print(bodies: u64, first: u64) {
     }
 }
 
-fn cell(z: &[f64], most: f64) -> String {
+/// Share of these errors over u that are at most so large, and their root mean square.
+pub(crate) fn cell(z: &[f64], most: f64) -> String {
     if z.is_empty() {
         return format!(" {:>14}", "");
     }

@@ -4,11 +4,13 @@
 //!     cargo bench --bench parts -- free [SEEDS [FIRST]]       regions that no primitive explains
 //!     cargo bench --bench parts -- confusion [BODIES [FIRST]] [level=0.1] [least=300] [most=6000] faces found, lost, invented
 //!     cargo bench --bench parts -- intervals [BODIES [FIRST]] how often intervals of sizes and axes hold
+//!     cargo bench --bench parts -- angles [BODIES [FIRST]]    how often intervals of joints' angles hold
 //!     cargo bench --bench parts -- objects [SEEDS [FIRST]]    which of 20 known objects a scan from one side is
 //!     cargo bench --bench parts -- relations [BODIES [FIRST]] how many of the relations that are stated hold
 //!
 //! Seeds from 1,000,001 on were not looked at before the recorded run (`benches/runs/parts.md`).
 
+mod angles;
 mod bodies;
 mod confusion;
 mod free;
@@ -60,6 +62,9 @@ fn main() {
     }
     if std::env::args().any(|word| word == "intervals") {
         return intervals::print(numbers.first().copied().unwrap_or(100), first);
+    }
+    if std::env::args().any(|word| word == "angles") {
+        return angles::print(numbers.first().copied().unwrap_or(100), first);
     }
     if std::env::args().any(|word| word == "objects") {
         return objects::print(first);

@@ -139,7 +139,7 @@ mod tests {
             noise: PartsNoisePart { distance: 0.5, normal_deg: 0.5 },
             tolerance: 0.5,
             parts: vec![part],
-            joints: vec![JointPart { parts: [0, 0], kind: "convex".into(), angle_deg: 0.5 }],
+            joints: vec![JointPart { parts: [0, 0], kind: "convex".into(), angle_deg: 0.5, u_angle_deg: None }],
             relations: vec![RelationRecord { parts: [0, 0], kind, probability: 0.5, missed_by: 0.5, u: 0.5 }],
             objects: None,
             unassigned: 0,

@@ -72,6 +72,18 @@ pub(crate) struct JointPart {
     pub kind: String,
     /// By how much the normal turns.
     pub angle_deg: f64,
+    /// Standard uncertainty of that; none where one of the parts is no primitive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub u_angle_deg: Option<f64>,
+}
+
+impl JointPart {
+    /// `88.3 +- 0.2`, the digits that are known: never more than a tenth of the uncertainty, nor fewer than a tenth of a degree.
+    pub(crate) fn angle_words(&self) -> String {
+        let Some(u) = self.u_angle_deg else { return format!("{:.1}", self.angle_deg) };
+        let digits = if u > 0.0 { (1.0 - u.log10().floor()).clamp(1.0, 4.0) as usize } else { 4 };
+        format!("{:.digits$} +- {}", self.angle_deg, significant(u, 2))
+    }
 }
 
 /// Noise as neighbourhoods show it.
@@ -156,7 +168,12 @@ impl PartsDocument {
             joints: found
                 .joints
                 .iter()
-                .map(|j| JointPart { parts: j.parts, kind: j.kind.name().into(), angle_deg: j.angle_deg })
+                .map(|j| JointPart {
+                    parts: j.parts,
+                    kind: j.kind.name().into(),
+                    angle_deg: j.angle_deg,
+                    u_angle_deg: j.u_angle_deg,
+                })
                 .collect(),
             relations: found.relations(&RelationPrior::default()).iter().map(RelationRecord::of).collect(),
             objects: None,
@@ -263,8 +280,9 @@ pub(crate) fn write_parts_table(document: &PartsDocument, width: usize, out: &mu
         let [a, b] = joint.parts;
         let _ = writeln!(
             text,
-            "joint      {a} and {b}: {}, the normal turns by {:.1} degrees",
-            joint.kind, joint.angle_deg
+            "joint      {a} and {b}: {}, the normal turns by {} degrees",
+            joint.kind,
+            joint.angle_words()
         );
     }
     for line in relation_lines(&document.relations) {

@@ -4,7 +4,8 @@ use super::cloud::{Cloud, DIGITS};
 use super::evidence::Cells;
 use super::exact::{Exact, StartNoise, simplest};
 use super::free_form::{FreeForm, free_form};
-use super::joints::{Joint, joints};
+use super::joint_angle::u_of_angle;
+use super::joints::{FoundJoint, Joint, JointKind, joints};
 use super::lack_of_fit_uncertainty::{is_free_form, is_rejected, reach};
 use super::local::{LocalShape, Noise};
 use super::partition::{NONE, Partition};
@@ -74,7 +75,8 @@ impl Findings<'_> {
             Some(Some(primitive)) => primitive.nearest(place),
             _ => (dot(minus(place, cloud.points[i]), cloud.normals[i]), cloud.normals[i]),
         };
-        let mut joints = joints(cloud, &partition.labels, self.coarse.distance, beside);
+        let found = joints(cloud, &partition.labels, self.coarse.distance, beside);
+        let mut joints: Vec<Joint> = found.into_iter().map(|found| with_u_of_angle(found, &exact)).collect();
         let is_free_form = is_free_form(&exact);
         let part = |(k, members): (usize, &Vec<u32>)| match (surface.get(k), few.get(k).and_then(Option::as_ref)) {
             (Some(Some(primitive)), few) => {
@@ -215,6 +217,13 @@ impl Findings<'_> {
         let variances: Vec<f64> = known.iter().map(|s| s.variance[0]).collect();
         (mean(&of_s), mean(&of_r).unwrap_or(0.0), upper_median(variances).unwrap_or(0.0).sqrt())
     }
+}
+
+/// A joint with what the fits of both parts leave open of its angle.
+fn with_u_of_angle(FoundJoint { joint, meetings }: FoundJoint, exact: &[Option<Exact>]) -> Joint {
+    let ends = joint.parts.map(|part| exact.get(part).and_then(Option::as_ref));
+    let u = u_of_angle(&meetings, ends, joint.kind == JointKind::Smooth);
+    Joint { u_angle_deg: u.map(f64::to_degrees), ..joint }
 }
 
 /// The normal that all of these contacts have but for rounding.

@@ -12,9 +12,10 @@
 use std::collections::BTreeMap;
 
 use super::cloud::Cloud;
+use super::joint_angle::{MeetingPlace, turn_at};
 use super::partition::NONE;
 use palpate_numeric::linalg::small::{Square, cholesky, solve};
-use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm};
+use palpate_numeric::vector::{Vector, along, minus, norm};
 
 /// Fewest pairs of points that make a joint: a corner where parts meet in one point has fewer.
 const FEWEST_PAIRS: usize = 6;
@@ -62,6 +63,14 @@ pub struct Joint {
     pub kind: JointKind,
     /// By how much the normal turns from one to the other, degrees.
     pub angle_deg: f64,
+    /// Standard uncertainty of it, degrees; `None` where one of them is no primitive.
+    pub u_angle_deg: Option<f64>,
+}
+
+/// A joint between two parts of a cloud, by their numbers there, with where they meet.
+pub(super) struct FoundJoint {
+    pub(super) joint: Joint,
+    pub(super) meetings: Vec<MeetingPlace>,
 }
 
 /// Every joint of the labelled cloud; `surface` is the distance from a part and its normal at a place beside a contact, and parts meet that
@@ -71,8 +80,8 @@ pub(super) fn joints(
     labels: &[u32],
     gap: f64,
     surface: impl Fn(u32, usize, Vector) -> (f64, Vector),
-) -> Vec<Joint> {
-    let mut pairs: BTreeMap<[u32; 2], (usize, Vec<f64>)> = BTreeMap::new();
+) -> Vec<FoundJoint> {
+    let mut pairs: BTreeMap<[u32; 2], MeetingParts> = BTreeMap::new();
     for i in 0..cloud.len() {
         for &j in cloud.linked(i) {
             let (a, b) = (labels[i], labels[j as usize]);
@@ -82,19 +91,24 @@ pub(super) fn joints(
             let (p, q) = (cloud.points[i], cloud.points[j as usize]);
             let middle = [0, 1, 2].map(|k| 0.5 * (p[k] + q[k]));
             let both = |place: Vector| [surface(a, i, place), surface(b, j as usize, place)];
-            let (count, turns) = pairs.entry([a, b]).or_default();
-            *count += 1;
+            let found = pairs.entry([a, b]).or_default();
+            found.pairs += 1;
             if meet(middle, REACH * norm(minus(q, p)), gap, both) {
                 let [(_, one), (_, two)] = both(middle);
-                let angle = norm(cross(one, two)).atan2(dot(one, two));
-                let outwards = dot(minus(two, one), minus(q, p));
-                turns.push(if outwards < 0.0 { -angle } else { angle });
+                found.turns.push(turn_at(one, two, minus(q, p)));
+                found.meetings.push(MeetingPlace { place: middle, across: minus(q, p) });
             }
         }
     }
-    let is_joint = |(count, turns): &(usize, Vec<f64>)| turns.len() >= FEWEST_PAIRS && 2 * turns.len() >= *count;
-    let turns = pairs.into_iter().filter(|(_, pairs)| is_joint(pairs)).map(|(parts, (_, turns))| (parts, turns));
-    turns.map(joint).collect()
+    pairs.into_iter().filter(|(_, found)| found.is_joint()).map(|(parts, found)| found.joint(parts)).collect()
+}
+
+/// Linked contacts of two parts, and what the normal turns by where the parts meet beside them.
+#[derive(Default)]
+struct MeetingParts {
+    pairs: usize,
+    turns: Vec<f64>,
+    meetings: Vec<MeetingPlace>,
 }
 
 /// Whether a place within `reach` of the middle lies on both surfaces, but for a `gap`.
@@ -115,20 +129,27 @@ fn meet(middle: Vector, reach: f64, gap: f64, both: impl Fn(Vector) -> [(f64, Ve
     norm(minus(place, middle)) <= reach && both(place).iter().all(|(d, _)| d.abs() <= gap)
 }
 
-/// What the turns at the pairs of two parts make of their joint.
-fn joint(([a, b], turns): ([u32; 2], Vec<f64>)) -> Joint {
-    let count = turns.len() as f64;
-    let signed = turns.iter().sum::<f64>() / count;
-    let unsigned = turns.iter().map(|turn| turn.abs()).sum::<f64>() / count;
-    // a boundary that is off by half a spacing turns the normals of a smooth joint either way, and the signs cancel; at an edge
-    // noise may reverse the sign of a pair, but not its angle
-    let is_smooth = signed.abs().to_degrees() < SMOOTH_DEG && unsigned.to_degrees() < 3.0 * SMOOTH_DEG;
-    let (kind, angle) = match signed {
-        _ if is_smooth => (JointKind::Smooth, signed.abs()),
-        turn if turn > 0.0 => (JointKind::Convex, unsigned),
-        _ => (JointKind::Concave, unsigned),
-    };
-    Joint { parts: [a as usize, b as usize], kind, angle_deg: angle.to_degrees() }
+impl MeetingParts {
+    fn is_joint(&self) -> bool {
+        self.turns.len() >= FEWEST_PAIRS && 2 * self.turns.len() >= self.pairs
+    }
+
+    /// What the turns make of their joint.
+    fn joint(self, [a, b]: [u32; 2]) -> FoundJoint {
+        let count = self.turns.len() as f64;
+        let signed = self.turns.iter().sum::<f64>() / count;
+        let unsigned = self.turns.iter().map(|turn| turn.abs()).sum::<f64>() / count;
+        // a boundary that is off by half a spacing turns the normals of a smooth joint either way, and the signs cancel; at an edge
+        // noise may reverse the sign of a pair, but not its angle
+        let is_smooth = signed.abs().to_degrees() < SMOOTH_DEG && unsigned.to_degrees() < 3.0 * SMOOTH_DEG;
+        let (kind, angle) = match signed {
+            _ if is_smooth => (JointKind::Smooth, signed.abs()),
+            turn if turn > 0.0 => (JointKind::Convex, unsigned),
+            _ => (JointKind::Concave, unsigned),
+        };
+        let joint = Joint { parts: [a as usize, b as usize], kind, angle_deg: angle.to_degrees(), u_angle_deg: None };
+        FoundJoint { joint, meetings: self.meetings }
+    }
 }
 
 #[cfg(test)]

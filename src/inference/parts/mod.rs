@@ -43,6 +43,7 @@ mod growth;
 mod hypothesis;
 mod jet;
 mod joining;
+mod joint_angle;
 mod joints;
 mod lack_of_fit_uncertainty;
 mod local;

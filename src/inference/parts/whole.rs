@@ -63,7 +63,7 @@ impl Partition {
         let beside = |part: u32, _, place| self.parts[part as usize].nearest(place);
         let most = (std::f64::consts::SQRT_2 * field.coarse.normal).to_degrees();
         let joints = joints(field.cloud, &self.labels, LOOSE * field.coarse.distance, beside);
-        joints.len() + 1 >= self.parts.len() && joints.iter().all(|joint| joint.angle_deg < most)
+        joints.len() + 1 >= self.parts.len() && joints.iter().all(|found| found.joint.angle_deg < most)
     }
 
     /// Whether nearly all normals point to the free side of their part: two walls that face opposite ways are no one part, however near they

@@ -209,7 +209,7 @@ fn joints(document: &PartsDocument) -> String {
                 _ => "smooth: one goes over into the other",
             };
             let [a, b] = joint.parts;
-            vec![format!("{} and {}", name(a), name(b)), like.into(), format!("{:.1}", joint.angle_deg)]
+            vec![format!("{} and {}", name(a), name(b)), like.into(), joint.angle_words()]
         })
         .collect();
     let head = ["Parts", "How they meet", "The normal turns by, degrees"];
