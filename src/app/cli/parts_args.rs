@@ -13,7 +13,7 @@ use super::reading::ReadFlags;
 pub(super) struct PartsArgs {
     /// A file of contacts, a mesh or a grid; or a built-in scene (palpate scenes) or a scene file ending in .toml
     pub(super) input: String,
-    /// Departures from a primitive that make no part of their own [default: a tenth of the spacing or 0.3 % of the body; of a body that departs more from its parts three or ten times that]
+    /// Departures from a primitive that make no part of their own [default: a tenth of the spacing or 0.3 % of the body; 1 or 3 % of one that departs from its parts by as much]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(super) tolerance: Option<f64>,
     /// Write x, y, z, normal, k1, k2, S, R, u_S and u_R at every point to .csv, .npz, .ply or .parquet (- for CSV on standard output); without --out, --json and --library, nothing is cut into parts

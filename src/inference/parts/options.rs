@@ -8,8 +8,8 @@ use super::tuning::PartsTuning;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct PartsOptions {
     /// Departures from a primitive, along the normal and in the input's unit, that make no part of their own; `None`: a tenth of
-    /// the spacing or 0.3 % of the cloud's size, whichever is more, beside the noise; three or ten times that where contacts depart from
-    /// their parts side by side ([`PartsTuning::coarser`]). What is named is neither less nor more.
+    /// the spacing or 0.3 % of the cloud's size, whichever is more, beside the noise; a hundredth or three of it where contacts depart
+    /// from their parts side by side ([`PartsTuning::departs`]). What is named is neither less nor more.
     pub tolerance: Option<f64>,
     /// Where the sensor stood: estimated normals point to it.
     pub viewpoint: Option<[f64; 3]>,

@@ -68,9 +68,10 @@ pub(super) struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// The same field where so many times as large departures are let pass.
-    pub(super) fn letting_pass(&self, times: f64) -> Self {
-        let distance = times * self.pass.distance;
+    /// The same field where departures of at least this share of the cloud's size are let pass, and normals that go with them.
+    pub(super) fn letting_pass(&self, share: f64) -> Self {
+        let distance = self.pass.distance.max(share);
+        let times = distance / self.pass.distance;
         // normals of planes through neighbours are let pass as much as they ever are
         let normal = if self.blurred { self.pass.normal } else { times * self.pass.normal };
         let coarse = Noise {

@@ -108,9 +108,9 @@ impl PartsQuestion {
         (found, fine, origin)
     }
 
-    /// The same, with how many times as large departures are let pass.
+    /// The same, with what share of its size is let pass.
     fn looked<'a>(&self, field: &Field<'a>) -> (Partition, Field<'a>, Origin, f64) {
-        let once = |(found, fine, origin): (Partition, Field<'a>, Origin)| (found, fine, origin, 1.0);
+        let once = |(found, fine, origin): (Partition, Field<'a>, Origin)| (found, fine, origin, 0.0);
         if self.tolerance.is_some() || field.shared {
             return once(of_whole_or_cut(self.measured, field, None));
         }
@@ -126,8 +126,8 @@ impl PartsQuestion {
 
     /// What contacts spread over a large cloud are made of, and all of them by that.
     fn of_spread<'a>(&self, spread: Surveyed, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
-        let (found, _, origin, times) = self.looked(&spread.field(field.tuning));
-        let (mut found, field) = given_to_all(found, &spread.cloud, &field.letting_pass(times));
+        let (found, _, origin, share) = self.looked(&spread.field(field.tuning));
+        let (mut found, field) = given_to_all(found, &spread.cloud, &field.letting_pass(share));
         if correlated_noise_merge::absorb(&mut found, &field) {
             found.refit(&field);
         }

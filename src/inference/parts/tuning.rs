@@ -25,9 +25,9 @@ pub struct PartsTuning {
     pub parallel: f64,
     /// How often parts are looked for again among the contacts that none explains.
     pub again: usize,
-    /// How many times as large departures are let pass, one after another, where contacts depart from their parts side by side: what is
-    /// made departs by a hundredth of its size, or by three.
-    pub coarser: [f64; 2],
+    /// Departures in shares of the cloud's size that are let pass, one after another, where contacts depart from their parts side by side:
+    /// what was made and handled departs by a hundredth, or by three.
+    pub departs: [f64; 2],
     /// Share of the scatter that neighbourhoods show, below which parts are fitted again by what contacts scatter about them.
     pub finer: f64,
     /// Most that a contact costs because its part scatters more than others, over what it costs in no part.
@@ -93,7 +93,7 @@ impl Default for PartsTuning {
             steals: 1.0,
             parallel: 0.7,
             again: 3,
-            coarser: [3.0, 10.0],
+            departs: [0.01, 0.03],
             finer: 0.8,
             most_price: 0.5,
             own: 0.85,
