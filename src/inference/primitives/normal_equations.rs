@@ -208,7 +208,7 @@ mod tests {
         let place = |k: u32| [0.371, 0.617, 0.833].map(|step| 6.0 * ((f64::from(k) * step).fract() - 0.5));
         let contact = |k: u32| WeightedContact {
             point: place(k),
-            normal: (k % 3 > 0).then(|| unit(place(k + 7))),
+            normal: (!k.is_multiple_of(3)).then(|| unit(place(k + 7))),
             weights: [1.0 + f64::from(k % 5), 0.3],
         };
         for kind in PartKind::BODIES {
