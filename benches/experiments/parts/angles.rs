@@ -12,14 +12,6 @@ use super::intervals::{Touched, cell, with_errors};
 /// What meets.
 const PAIRS: [&str; 3] = ["faces", "bar, end", "frustum, end"];
 
-/// Errors over u, and how often there was one joint.
-#[derive(Default)]
-struct Row {
-    asked: usize,
-    found: usize,
-    errors: Vec<f64>,
-}
-
 /// The table of so many bodies of each pair.
 pub(crate) fn print(bodies: u64, first: u64) {
     println!(
@@ -28,25 +20,23 @@ pub(crate) fn print(bodies: u64, first: u64) {
     println!("{:<13} {:<7} {:>6} {:>14}", "parts", "errors", "joints", "angle");
     for pair in 0..PAIRS.len() {
         for shared in [false, true] {
-            let mut row = Row::default();
-            (first..first + bodies).for_each(|seed| ask(pair, shared, seed, &mut row));
+            let errors: Vec<f64> = (first..first + bodies).filter_map(|seed| error(pair, shared, seed)).collect();
             let words = if shared { "shared" } else { "own" };
-            println!("{:<13} {words:<7} {:>6}{}", PAIRS[pair], row.found, cell(&row.errors, 1.96));
+            println!("{:<13} {words:<7} {:>6}{}", PAIRS[pair], errors.len(), cell(&errors, 1.96));
         }
     }
 }
 
-fn ask(pair: usize, shared: bool, seed: u64, row: &mut Row) {
+/// Error over u of the angle of a body's one joint; `None` where other parts are found.
+fn error(pair: usize, shared: bool, seed: u64) -> Option<f64> {
     let mut random = Random(seed.wrapping_mul(211).wrapping_add(pair as u64));
     let mut r = |lo: f64, hi: f64| random.between(lo, hi);
     let (body, truth) = touched(pair, &mut r);
     let (contacts, _) = with_errors(&body, shared, seed.is_multiple_of(2), seed, &mut r);
-    row.asked += 1;
-    let Ok(found) = Parts::of(&contacts, &PartsOptions::default()) else { return };
-    let [joint] = &found.joints[..] else { return };
-    let Some(u) = joint.u_angle_deg.filter(|_| found.parts.len() == 2) else { return };
-    row.found += 1;
-    row.errors.push((joint.angle_deg - truth) / u);
+    let found = Parts::of(&contacts, &PartsOptions::default()).ok()?;
+    let [joint] = &found.joints[..] else { return None };
+    let u = joint.u_angle_deg.filter(|_| found.parts.len() == 2)?;
+    Some((joint.angle_deg - truth) / u)
 }
 
 /// Two faces with contacts as dense, and the angle at which they meet, degrees.

@@ -78,7 +78,7 @@ pub(crate) struct JointPart {
 }
 
 impl JointPart {
-    /// `88.3 +- 0.2`, the digits that are known: never more than a tenth of the uncertainty, nor fewer than a tenth of a degree.
+    /// `88.31 +- 0.20`: down to the second digit of the uncertainty, between one decimal and four.
     pub(crate) fn angle_words(&self) -> String {
         let Some(u) = self.u_angle_deg else { return format!("{:.1}", self.angle_deg) };
         let digits = if u > 0.0 { (1.0 - u.log10().floor()).clamp(1.0, 4.0) as usize } else { 4 };

@@ -74,7 +74,7 @@ pub(super) fn next_to_all<'a>(modes: impl Iterator<Item = &'a Mode>) -> Option<&
 }
 
 /// A given normal on the side of the base's: which side is free is asked at the end, of all normals together.
-pub(super) fn aligned(given: Vector, of_base: Vector) -> Vector {
+pub(crate) fn aligned(given: Vector, of_base: Vector) -> Vector {
     if dot(given, of_base) < 0.0 { scaled(-1.0, given) } else { given }
 }
 

@@ -18,7 +18,7 @@ use super::kernel_layer::spread;
 use super::mode::aligned;
 use super::sample::BodySample;
 use crate::dense;
-use crate::primitives::descent::rows;
+use crate::primitives::normal_equations::rows;
 use crate::primitives::placed::Primitive;
 use palpate_numeric::vector::{Vector, along, axes_along, dot};
 

@@ -1,6 +1,7 @@
 //! From the partition to the answer: exact fits in the input's units, classes, joints, largest part first.
 
 use super::cloud::{Cloud, DIGITS};
+use super::delta_method::standard_uncertainties;
 use super::evidence::Cells;
 use super::exact::{Exact, StartNoise, simplest};
 use super::free_form::{FreeForm, free_form};
@@ -352,25 +353,10 @@ fn uncertainty(cloud: &Cloud, exact: &Exact, members: &[u32]) -> PartUncertainty
     }
 }
 
-/// Standard uncertainties of mean S and R by the delta method, with differences over a tenth of each unknown's own.
+/// Standard uncertainties of mean S and R.
 fn of_shape(cloud: &Cloud, primitive: &Primitive, covariance: &Square<MOST_UNKNOWNS>, members: &[u32]) -> [f64; 2] {
     /// Contacts over which the means are taken; they hardly change with more.
     const MEAN_CONTACTS: usize = 200;
-    let free = primitive.kind.free();
     let some = || members.iter().step_by(members.len().div_ceil(MEAN_CONTACTS).max(1));
-    let mut gradients = [[0.0; MOST_UNKNOWNS]; 2];
-    for &k in free {
-        let step = 0.1 * covariance[k][k].max(0.0).sqrt().max(f64::MIN_POSITIVE);
-        let at = |sign: f64| {
-            let mut moved = [0.0; MOST_UNKNOWNS];
-            moved[k] = sign * step;
-            mean_shape(cloud, &primitive.moved(&moved), some())
-        };
-        let (plus, minus) = (at(1.0), at(-1.0));
-        (0..2).for_each(|n| gradients[n][k] = (plus[n] - minus[n]) / (2.0 * step));
-    }
-    gradients.map(|g| {
-        let square = free.iter().flat_map(|&i| free.iter().map(move |&j| g[i] * covariance[i][j] * g[j])).sum::<f64>();
-        square.max(0.0).sqrt()
-    })
+    standard_uncertainties(primitive, covariance, |moved| mean_shape(cloud, moved, some()))
 }

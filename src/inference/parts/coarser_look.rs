@@ -13,13 +13,12 @@
 
 use std::f64::consts::E;
 
-use super::answer::Origin;
 use super::cloud::DIGITS;
 use super::evidence::{Residuals, price};
 use super::partition::{Field, NONE, Partition};
+use super::scatter::lie_off_together;
 use crate::bodies::Tuning;
 use palpate_numeric::statistics::mad;
-use palpate_numeric::vector::minus;
 
 impl Partition {
     /// The coarsest cut that tells more than the one before it, this being the first, with what it was cut by and what share of the cloud's
@@ -28,8 +27,8 @@ impl Partition {
         &self,
         field: &Field<'a>,
         cut: impl Fn(&Field<'a>) -> (Partition, Field<'a>),
-    ) -> Option<(Partition, Field<'a>, Origin, f64)> {
-        let mut taken: Option<(Partition, Field, Origin, f64)> = None;
+    ) -> Option<(Partition, Field<'a>, f64)> {
+        let mut taken: Option<(Partition, Field, f64)> = None;
         for share in field.tuning.departs.into_iter().filter(|share| *share > field.pass.distance) {
             let best = taken.as_ref().map_or(self, |(found, ..)| found);
             if best.parts.len() < 2 || !best.departs_in_a_pattern(field) {
@@ -38,7 +37,7 @@ impl Partition {
             let (found, fine) = cut(&field.letting_pass(share));
             let [rough, precise] = [&found, best].map(|cut| ToldCut::new(cut, field));
             if !found.parts.is_empty() && precise.gains_over(&rough) <= 0.0 {
-                taken = Some((found, fine, Origin::Cut, share));
+                taken = Some((found, fine, share));
             }
         }
         taken
@@ -49,17 +48,11 @@ impl Partition {
         let cloud = field.cloud;
         let off = |i: usize| self.parts[self.labels[i] as usize].nearest(cloud.points[i]).0;
         let held = || (0..cloud.len()).filter(|i| self.labels[*i] != NONE);
-        let of_all = mad(held().map(off));
-        let apart = |i: usize, j: usize| {
-            let step = minus(cloud.points[j], cloud.points[i]);
-            step.iter().map(|v| v * v).sum::<f64>()
-        };
         let pairs = held().filter_map(|i| {
-            let beside = cloud.near(i).iter().map(|j| *j as usize).filter(|j| self.labels[*j] == self.labels[i]);
-            let next = beside.min_by(|a, b| apart(i, *a).total_cmp(&apart(i, *b)))?;
+            let next = cloud.near(i).iter().map(|j| *j as usize).find(|j| self.labels[*j] == self.labels[i])?;
             Some(off(i) - off(next))
         });
-        of_all > DIGITS && mad(pairs) / 2.0_f64.sqrt() < Tuning::default().sharper * of_all
+        mad(held().map(off)) > DIGITS && lie_off_together(held().map(off), pairs)
     }
 }
 

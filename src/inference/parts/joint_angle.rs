@@ -2,13 +2,14 @@
 //!
 //! ```text
 //! phi = mean over places m where the parts meet of +- angle(n_a(m), n_b(m))
-//! u^2 = g_a' V_a g_a + g_b' V_b g_b          g: derivatives of phi by the unknowns of either part, V: their covariances (`exact.rs`)
+//! u^2 = g_a' V_a g_a + g_b' V_b g_b          g: derivatives of phi by the unknowns of either part (`delta_method.rs`), V: their covariances (`exact.rs`)
 //! ```
 //!
-//! The covariances count what neighbours share. Derivatives are central differences over a tenth of each unknown's own u, as those of mean S.
+//! The covariances count what neighbours share.
 
+use super::delta_method::standard_uncertainties;
 use super::exact::Exact;
-use crate::primitives::placed::{MOST_UNKNOWNS, Primitive};
+use crate::primitives::placed::Primitive;
 use palpate_numeric::vector::{Vector, cross, dot, minus, norm};
 
 /// A place where two parts meet, and the step from a contact of the first to one of the second.
@@ -27,35 +28,16 @@ pub(super) fn turn_at(one: Vector, two: Vector, across: Vector) -> f64 {
 /// Standard uncertainty of the mean turn at these places, radians; `None` where a part is no primitive, or its contacts leave an unknown
 /// open. At an edge noise may reverse the sign of a turn, but not its size, and `is_smooth` says where signs count.
 pub(super) fn u_of_angle(meetings: &[MeetingPlace], both: [Option<&Exact>; 2], is_smooth: bool) -> Option<f64> {
-    let [one, two] = both;
-    let ends = [one?, two?];
-    let primitives = ends.map(|end| end.descended.primitive);
-    let mean = |[a, b]: [Primitive; 2]| {
+    let [one, two] = [both[0]?, both[1]?];
+    let [a, b] = [one, two].map(|end| end.descended.primitive);
+    let mean = |a: &Primitive, b: &Primitive| {
         let turn = |m: &MeetingPlace| turn_at(a.nearest(m.place).1, b.nearest(m.place).1, m.across);
         let of = |turn: f64| if is_smooth { turn } else { turn.abs() };
-        meetings.iter().map(|m| of(turn(m))).sum::<f64>() / meetings.len() as f64
+        [meetings.iter().map(|m| of(turn(m))).sum::<f64>() / meetings.len() as f64]
     };
-    let mut square = 0.0;
-    for (which, end) in ends.iter().enumerate() {
-        let covariance = end.covariance()?;
-        let free = primitives[which].kind.free();
-        let mut gradient = [0.0; MOST_UNKNOWNS];
-        for &k in free {
-            let step = 0.1 * covariance[k][k].max(0.0).sqrt().max(f64::MIN_POSITIVE);
-            let at = |sign: f64| {
-                let (mut by, mut moved) = ([0.0; MOST_UNKNOWNS], primitives);
-                by[k] = sign * step;
-                moved[which] = primitives[which].moved(&by);
-                mean(moved)
-            };
-            gradient[k] = (at(1.0) - at(-1.0)) / (2.0 * step);
-        }
-        square += free
-            .iter()
-            .flat_map(|&i| free.iter().map(move |&j| gradient[i] * covariance[i][j] * gradient[j]))
-            .sum::<f64>();
-    }
-    Some(square.max(0.0).sqrt())
+    let [of_one] = standard_uncertainties(&a, &one.covariance()?, |moved| mean(moved, &b));
+    let [of_two] = standard_uncertainties(&b, &two.covariance()?, |moved| mean(&a, moved));
+    Some(of_one.hypot(of_two))
 }
 
 #[cfg(test)]

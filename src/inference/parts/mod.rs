@@ -32,6 +32,7 @@ mod cloud;
 mod coarser_look;
 mod correlated_noise;
 mod correlated_noise_merge;
+mod delta_method;
 mod error;
 mod estimated;
 mod evaluation;

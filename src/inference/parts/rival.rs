@@ -11,6 +11,7 @@
 //! The surface is given as many unknowns as the primitives have, since a free form takes what it wants.
 
 use super::cloud::{DIGITS, framed};
+use super::scatter::lie_off_together;
 use super::segmentation::{Segmentation, is_simple, places};
 use super::{Parts, PartsOptions};
 use crate::bodies::{Tuning, price_of_unknowns};
@@ -32,7 +33,7 @@ impl Parts {
         let tuning = Tuning::default();
         let (_, _, size) = framed(&points)?;
         let is_exact = mad(distances.iter().copied()) <= DIGITS * size;
-        if distances.len() != points.len() || is_exact || !leaves_a_pattern(distances, &points, &tuning) {
+        if distances.len() != points.len() || is_exact || !leaves_a_pattern(distances, &points) {
             return None;
         }
         let found_of = |members: &[u32]| {
@@ -53,10 +54,10 @@ impl Parts {
 }
 
 /// Whether contacts next to each other lie off the surface together.
-fn leaves_a_pattern(distances: &[f64], points: &[Vector], tuning: &Tuning) -> bool {
+fn leaves_a_pattern(distances: &[f64], points: &[Vector]) -> bool {
     let tree = Neighbours::new(points);
     let pairs = (0..points.len()).filter_map(|i| Some(distances[i] - distances[tree.nearest_other(i)?.1]));
-    mad(pairs) / 2.0_f64.sqrt() < tuning.sharper * mad(distances.iter().copied())
+    lie_off_together(distances.iter().copied(), pairs)
 }
 
 /// One of several groups of contacts that are told by a surface of their own.

@@ -4,7 +4,16 @@
 //! sd = 1.48 median |d|, of all contacts and of those of each part         price = 2 ln(sd / sd of all) + 4 ln(the same of normals)
 //! ```
 
+use std::f64::consts::SQRT_2;
+
 use super::local::Noise;
+use crate::bodies::Tuning;
+use palpate_numeric::statistics::mad;
+
+/// Whether contacts next to each other lie off a surface together: what they are off by differs less between neighbours than it scatters.
+pub(super) fn lie_off_together(off: impl Iterator<Item = f64>, between: impl Iterator<Item = f64>) -> bool {
+    mad(between) / SQRT_2 < Tuning::default().sharper * mad(off)
+}
 
 /// What the contacts of a partition scatter by.
 pub(super) struct PartsScatter {

@@ -95,7 +95,7 @@ pub(super) fn is_simple(kind: PartKind) -> bool {
 
 /// How a cloud is asked for its parts.
 struct PartsQuestion {
-    /// Whether the normals are.
+    /// Whether the normals are measurements.
     measured: bool,
     /// What departures are let pass, where the user names it.
     tolerance: Option<f64>,
@@ -114,14 +114,16 @@ impl PartsQuestion {
         if self.tolerance.is_some() || field.shared {
             return once(of_whole_or_cut(self.measured, field, None));
         }
+        let at_coarser_looks = |finer: &Partition| {
+            finer.at_coarser_looks(field, cut).map(|(found, fine, share)| (found, fine, Origin::Cut, share))
+        };
         // where normals are not measured, what is one surface is known before
         if !self.measured {
             let found = of_whole_or_cut(self.measured, field, None);
-            return found.0.at_coarser_looks(field, cut).unwrap_or_else(|| once(found));
+            return at_coarser_looks(&found.0).unwrap_or_else(|| once(found));
         }
         let found = cut(field);
-        let coarser = found.0.at_coarser_looks(field, cut);
-        coarser.unwrap_or_else(|| once(of_whole_or_cut(self.measured, field, Some(found))))
+        at_coarser_looks(&found.0).unwrap_or_else(|| once(of_whole_or_cut(self.measured, field, Some(found))))
     }
 
     /// What contacts spread over a large cloud are made of, and all of them by that.

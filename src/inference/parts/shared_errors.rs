@@ -14,7 +14,7 @@
 use super::cloud::Cloud;
 use super::local::Noise;
 use super::tuning::PartsTuning;
-use crate::primitives::descent::rows;
+use crate::primitives::normal_equations::rows;
 use crate::primitives::placed::{MOST_UNKNOWNS, Primitive};
 use palpate_numeric::linalg::small::Square;
 use palpate_numeric::vector::{Vector, dot, minus, norm};

@@ -1,13 +1,16 @@
 //! Normal equations of a primitive over weighted contacts, the loop in which a cut into parts spends most of its time.
 //!
 //! ```text
-//! A = sum_i w_i a_i a_i'        g = sum_i w_i a_i r_i        sum = sum_i w_i r_i^2        rows a_i, residuals r_i: `descent.rs`
+//! A = sum_i w_i a_i a_i'        g = sum_i w_i a_i r_i        sum = sum_i w_i r_i^2        4 rows a_i and residuals r_i a contact
+//! by tau    -g                            -s H                                          g = grad d, H its Hessian, s the free side
+//! by omega  -(q x g) e_j                  -s H (e_j x q) + e_j x m                      m = n_i in the primitive's axes
+//! by sizes  d by_size                     s g by_size
 //! ```
 //!
 //! The form and its unknowns are known where the loop is compiled, so that a row has no more entries than these, and what a primitive has
 //! once (a cone's sine) is taken once.
 
-use super::placed::{MOST_UNKNOWNS, PartKind, Primitive};
+use super::placed::{MOST_UNKNOWNS, PartKind, Primitive, free};
 use palpate_geometry::primitives::{
     self as forms, Cone, Cylinder, DistanceJet, Plane, Sphere, Torus, TriaxialEllipsoid,
 };
@@ -43,18 +46,14 @@ impl NormalEquations {
         let [one, two, _] = primitive.sizes;
         match primitive.kind {
             PartKind::Patch => over(&Plane, [], (primitive, facing), contacts),
-            PartKind::Plane => over(&Plane, [2, 3, 4], (primitive, facing), contacts),
-            PartKind::Sphere => over(&Sphere { radius: one }, [0, 1, 2, 5], (primitive, facing), contacts),
-            PartKind::Cylinder => over(&Cylinder { radius: one }, [0, 1, 3, 4, 5], (primitive, facing), contacts),
-            PartKind::Cone => {
-                over(&Cone { radius: one, half_angle: two }, [0, 1, 3, 4, 5, 6], (primitive, facing), contacts)
-            }
-            PartKind::Torus => {
-                over(&Torus { ring: one, tube: two }, [0, 1, 2, 3, 4, 5, 6], (primitive, facing), contacts)
-            }
+            PartKind::Plane => over(&Plane, free::PLANE, (primitive, facing), contacts),
+            PartKind::Sphere => over(&Sphere { radius: one }, free::SPHERE, (primitive, facing), contacts),
+            PartKind::Cylinder => over(&Cylinder { radius: one }, free::CYLINDER, (primitive, facing), contacts),
+            PartKind::Cone => over(&Cone { radius: one, half_angle: two }, free::CONE, (primitive, facing), contacts),
+            PartKind::Torus => over(&Torus { ring: one, tube: two }, free::TORUS, (primitive, facing), contacts),
             PartKind::Ellipsoid => {
                 let form = TriaxialEllipsoid { half_axes: primitive.sizes };
-                over(&form, [0, 1, 2, 3, 4, 5, 6, 7, 8], (primitive, facing), contacts)
+                over(&form, free::ELLIPSOID, (primitive, facing), contacts)
             }
         }
     }
@@ -64,7 +63,7 @@ impl NormalEquations {
 #[inline(always)]
 fn over<const N: usize>(
     form: &impl forms::Primitive,
-    free: [usize; N],
+    unknowns: [usize; N],
     (primitive, facing): (&Primitive, Facing),
     contacts: impl Iterator<Item = WeightedContact>,
 ) -> NormalEquations {
@@ -79,11 +78,25 @@ fn over<const N: usize>(
         // a loop and not `map`, which is a call for every unknown
         let mut columns = [[0.0; ROWS]; N];
         for k in 0..N {
-            columns[k] = rows.column(free[k]);
+            columns[k] = rows.column(unknowns[k]);
         }
         sums.add(rows.residuals(outwards), &columns, [of_distance, of_normal]);
     }
-    sums.spread(free)
+    sums.spread(unknowns)
+}
+
+/// A residual and its derivatives by all unknowns.
+pub(crate) type PrimitiveRow = (f64, [f64; MOST_UNKNOWNS]);
+
+/// The rows of one point: the distance's first, then the normal's three.
+pub(crate) fn rows(primitive: &Primitive, p: Vector, n: Vector) -> [PrimitiveRow; ROWS] {
+    let q = primitive.own(p);
+    let jet = primitive.at(q);
+    let given = primitive.axes.map(|axis| dot(axis, n));
+    let of = ContactRows { jet: &jet, side: primitive.side, q, given };
+    let residuals = of.residuals(jet.gradient.map(|g| primitive.side * g));
+    let columns: [Lanes; MOST_UNKNOWNS] = std::array::from_fn(|unknown| of.column(unknown));
+    std::array::from_fn(|row| (residuals[row], columns.map(|column| column[row])))
 }
 
 /// Rows of a contact: of its distance, and of the three components of its normal.
@@ -172,14 +185,14 @@ impl<const N: usize> LaneSums<N> {
     }
 
     /// By all unknowns.
-    fn spread(&self, free: [usize; N]) -> NormalEquations {
+    fn spread(&self, unknowns: [usize; N]) -> NormalEquations {
         let (mut matrix, mut gradient) = ([[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS], [0.0; MOST_UNKNOWNS]);
         (0..MOST_UNKNOWNS).for_each(|k| matrix[k][k] = 1.0);
         for i in 0..N {
-            gradient[free[i]] = self.gradient[i].iter().sum();
+            gradient[unknowns[i]] = self.gradient[i].iter().sum();
             for j in 0..=i {
-                matrix[free[i]][free[j]] = self.matrix[i][j].iter().sum();
-                matrix[free[j]][free[i]] = matrix[free[i]][free[j]];
+                matrix[unknowns[i]][unknowns[j]] = self.matrix[i][j].iter().sum();
+                matrix[unknowns[j]][unknowns[i]] = matrix[unknowns[i]][unknowns[j]];
             }
         }
         NormalEquations { matrix, gradient, sum: self.sum.iter().sum() }
@@ -199,7 +212,6 @@ fn add_products(sum: &mut Lanes, a: &Lanes, b: &Lanes) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::primitives::descent::rows;
     use palpate_numeric::vector::{axes_along, unit};
 
     /// The sums of rows over all unknowns that are free, one after another.

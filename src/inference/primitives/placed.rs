@@ -57,15 +57,25 @@ impl PartKind {
     /// Which of `tau1 tau2 tau3 omega1 omega2 size1 size2 size3 omega3` are unknown.
     pub(crate) fn free(self) -> &'static [usize] {
         match self {
-            PartKind::Plane => &[2, 3, 4],
-            PartKind::Sphere => &[0, 1, 2, 5],
-            PartKind::Cylinder => &[0, 1, 3, 4, 5],
-            PartKind::Cone => &[0, 1, 3, 4, 5, 6],
-            PartKind::Torus => &[0, 1, 2, 3, 4, 5, 6],
+            PartKind::Plane => &free::PLANE,
+            PartKind::Sphere => &free::SPHERE,
+            PartKind::Cylinder => &free::CYLINDER,
+            PartKind::Cone => &free::CONE,
+            PartKind::Torus => &free::TORUS,
             PartKind::Patch => &[],
-            PartKind::Ellipsoid => &[0, 1, 2, 3, 4, 5, 6, 7, 8],
+            PartKind::Ellipsoid => &free::ELLIPSOID,
         }
     }
+}
+
+/// Unknowns of every form, as arrays whose length is known where a loop over them is compiled.
+pub(super) mod free {
+    pub(crate) const PLANE: [usize; 3] = [2, 3, 4];
+    pub(crate) const SPHERE: [usize; 4] = [0, 1, 2, 5];
+    pub(crate) const CYLINDER: [usize; 5] = [0, 1, 3, 4, 5];
+    pub(crate) const CONE: [usize; 6] = [0, 1, 3, 4, 5, 6];
+    pub(crate) const TORUS: [usize; 7] = [0, 1, 2, 3, 4, 5, 6];
+    pub(crate) const ELLIPSOID: [usize; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
 }
 
 /// Most unknowns of a primitive.

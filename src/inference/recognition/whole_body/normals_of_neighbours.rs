@@ -10,10 +10,10 @@
 
 use std::f64::consts::SQRT_2;
 
-use crate::bodies::{BodySample, Tuning};
+use crate::bodies::{BodySample, Tuning, aligned};
 use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::statistics::{RAYLEIGH_TO_SD, upper_median};
-use palpate_numeric::vector::{dot, minus, norm, scaled};
+use palpate_numeric::vector::{minus, norm};
 
 /// Whether they are those of another surface than the body beside which they scatter by `sd`, radians. False where some are unknown.
 pub(super) fn are_alike(sample: &BodySample, sd: f64, tuning: &Tuning) -> bool {
@@ -23,7 +23,7 @@ pub(super) fn are_alike(sample: &BodySample, sd: f64, tuning: &Tuning) -> bool {
     let tree = Neighbours::new(&sample.points);
     let change = |i: usize| {
         let (own, next) = (sample.normals[i], sample.normals[tree.nearest_other(i)?.1]);
-        Some(norm(minus(own, if dot(own, next) < 0.0 { scaled(-1.0, next) } else { next })))
+        Some(norm(minus(own, aligned(next, own))))
     };
     let changes: Vec<f64> = (0..sample.len()).filter_map(change).collect();
     upper_median(changes).is_some_and(|median| RAYLEIGH_TO_SD * median / SQRT_2 < tuning.sharper * sd)
