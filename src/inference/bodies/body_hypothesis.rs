@@ -81,6 +81,11 @@ impl BodyHypothesis {
         self.departure_rms
     }
 
+    /// Root mean square of the departure over its length; 0 without one.
+    pub(super) fn slope(&self) -> f64 {
+        self.departure.map_or(0.0, |[length, _]| self.departure_rms / length)
+    }
+
     /// With the prior of how its departure is read, and its share of departures of all feet and of the section alone.
     pub(super) fn weighed_by_reading(mut self, [of_feet, of_section]: [f64; 2], tuning: &Tuning) -> BodyHypothesis {
         self.log_evidence += self.departure.map_or(0.0, |[_, size]| self.reading.prior(size, tuning).ln());

@@ -5,7 +5,7 @@ use super::body_posterior::{BodyPosterior, most, normalised};
 use super::evidence::LinearisedBase;
 use super::free_surface::free_surface;
 use super::mode::{FalseContacts, Mode};
-use super::other_things::{Thing, is_simple, scatter, several_things};
+use super::other_things::{SeveralThings, Thing, is_simple, scatter, several_things};
 use super::sample::BodySample;
 use super::search::modes;
 use super::tuning::Tuning;
@@ -20,7 +20,12 @@ pub(crate) enum Verdict {
     Several(Vec<Thing>),
     /// A surface of no simple kind, which explains the contacts clearly better than any primitive, and the primitives that come near
     /// enough all the same.
-    Free(Box<BodyPosterior>, Option<Box<BodyPosterior>>),
+    Free {
+        found: Box<BodyPosterior>,
+        one: Option<Box<BodyPosterior>>,
+        /// Things that explain the contacts about as well, where there are.
+        several: Vec<Thing>,
+    },
     /// No primitive comes near enough, and no free surface tells contacts that are left out.
     None,
 }
@@ -53,14 +58,9 @@ fn infer_beside(
     let beside = beside.filter(|_| answer.is_some());
     let is_clear = |free: &FreeRival| beside.as_ref().is_none_or(|one| free.is_clear(one, tuning));
     let several = (!is_sure).then(|| several_things(sample, &modes, of_one, tuning)).flatten();
-    if let Some(things) = several {
-        match free {
-            Some(free) if is_clear(&free) && free.is_more_than_pieces(&things, tuning) => {
-                return Verdict::Free(Box::new(free.found), None);
-            }
-            Some(ref free) if !free.is_less_than(&things, all, tuning) => {}
-            _ => return Verdict::Several(things),
-        }
+    if let Some(several) = several {
+        // one primitive is then no answer
+        return several_or_free(several, free.filter(is_clear), all, tuning);
     }
     let one = answer.map(|mut posterior| {
         if sample.len() < all.len() {
@@ -73,9 +73,22 @@ fn infer_beside(
     let least = (1.0 - tuning.false_most) * all.len() as f64;
     let one = one.filter(|one| one.members_of(one.kind()).len() as f64 >= least);
     match free.filter(is_clear) {
-        Some(free) => Verdict::Free(Box::new(free.found), one),
+        Some(free) => Verdict::Free { found: Box::new(free.found), one, several: Vec::new() },
         None => one.map_or(Verdict::None, Verdict::One),
     }
+}
+
+/// Several things, or the free surface where it explains the contacts as well.
+fn several_or_free(several: SeveralThings, free: Option<FreeRival>, all: &BodySample, tuning: &Tuning) -> Verdict {
+    let Some(free) = free.filter(|free| !free.says_less(&several.things, tuning)) else {
+        return Verdict::Several(several.things);
+    };
+    let behind = free.behind(&several, all, tuning);
+    if behind > tuning.clearly {
+        return Verdict::Several(several.things);
+    }
+    let several = if behind < -tuning.clearly { Vec::new() } else { several.things };
+    Verdict::Free { found: Box::new(free.found), one: None, several }
 }
 
 /// A free surface beside the primitives, with the evidence of both over the same contacts.
@@ -107,20 +120,21 @@ impl FreeRival {
         self.found.best_of(self.found.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter)
     }
 
-    /// Whether rings or ellipsoids are among several things, which follow the pieces of any smooth body, and these are no nearer.
-    fn is_more_than_pieces(&self, things: &[Thing], tuning: &Tuning) -> bool {
-        let follows_pieces = things.iter().any(|thing| !is_simple(thing.primitive.kind));
-        follows_pieces && self.scatter() < tuning.as_near * scatter(things)
+    /// Whether simple things are as near to the contacts. Rings and ellipsoids follow the pieces of any smooth body.
+    fn says_less(&self, things: &[Thing], tuning: &Tuning) -> bool {
+        let are_simple = things.iter().all(|thing| is_simple(thing.primitive.kind));
+        are_simple && scatter(things) <= tuning.as_near * self.scatter()
     }
 
-    /// Whether several things are as near to the contacts, and then say more, or are more probable over the contacts that it was
-    /// computed from.
-    fn is_less_than(&self, things: &[Thing], all: &BodySample, tuning: &Tuning) -> bool {
-        if scatter(things) <= tuning.as_near * self.scatter() {
-            return true;
+    /// Log evidence by which several things are ahead of it, over the contacts that it was computed from.
+    fn behind(&self, several: &SeveralThings, all: &BodySample, tuning: &Tuning) -> f64 {
+        let own = self.found.log_evidence;
+        if all.len() <= tuning.free_contacts {
+            return several.log_evidence - own;
         }
         let few = all.at_most(tuning.free_contacts);
-        several_things(&few, &modes(&few, tuning), self.found.log_evidence, tuning).is_some()
+        let of_few = several_things(&few, &modes(&few, tuning), f64::NEG_INFINITY, tuning);
+        of_few.map_or(f64::NEG_INFINITY, |several| several.log_evidence - own)
     }
 }
 
@@ -133,8 +147,7 @@ fn evidence_of(one: Option<&BodyPosterior>) -> f64 {
 fn is_answer(one: &BodyPosterior, sample: &BodySample, tuning: &Tuning) -> bool {
     let kind = one.kind();
     let Some(best) = one.best_of(kind) else { return false };
-    let slope = best.departure.map_or(0.0, |[length, _]| best.departure_rms / length);
-    let is_near = slope <= tuning.largest_slope && best.sd[0] <= tuning.largest_scatter;
+    let is_near = best.slope() <= tuning.largest_slope && best.sd[0] <= tuning.largest_scatter;
     is_near && one.false_share(sample) <= tuning.false_most
 }
 

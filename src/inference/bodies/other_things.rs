@@ -7,8 +7,10 @@
 //! ```
 //!
 //! That sum is compared with the evidence of the best single primitive, however large its departure and its scatter, and with that of
-//! one smooth surface of any shape: pieces of a wave are not more probable than the wave.
+//! one smooth surface of any shape: pieces of a wave are not more probable than the wave. Beside a free surface each thing departs as well:
+//! the faces of a box of cardboard are not quite flat.
 
+use super::body_hypothesis::BodyHypothesis;
 use super::candidates::{on_either_side, principal};
 use super::evidence::LinearisedBase;
 use super::mode::{Candidate, FalseContacts, Mode, log_false, mode, next_to_all};
@@ -39,46 +41,126 @@ impl Thing {
     }
 }
 
-/// The things that explain the contacts clearly better than one, whose log evidence is given: two of them are looked for together, and
-/// further ones in what both leave out.
-pub(super) fn several_things(sample: &BodySample, known: &[Mode], of_one: f64, tuning: &Tuning) -> Option<Vec<Thing>> {
+/// Things that explain the contacts clearly better than one.
+pub(super) struct SeveralThings {
+    pub(super) things: Vec<Thing>,
+    /// With a departure of each.
+    pub(super) log_evidence: f64,
+}
+
+/// One of several things among the contacts that no thing before it holds.
+struct FoundThing {
+    mode: Mode,
+    among: BodySample,
+}
+
+impl FoundThing {
+    fn left(&self) -> BodySample {
+        self.among.only(&self.mode.others())
+    }
+}
+
+/// Things, each found in what those before it leave out.
+struct Division {
+    things: Vec<FoundThing>,
+    /// Log evidence of the first two, and of all; contacts of no thing are false.
+    of_two: f64,
+    of_all: f64,
+}
+
+impl Division {
+    /// Two things, and further ones in what both leave out.
+    fn beginning_with(first: &Mode, of_first: f64, sample: &BodySample, tuning: &Tuning) -> Option<Division> {
+        let first = FoundThing { mode: first.clone(), among: sample.clone() };
+        let (gain, second) = next_thing(first.left(), tuning)?;
+        let of_two = of_first + gain;
+        let mut rest = second.left();
+        let mut found = Division { things: vec![first, second], of_two, of_all: of_two };
+        while found.things.len() < tuning.most_things {
+            let Some((gain, next)) = next_thing(rest, tuning).filter(|(gain, _)| *gain > tuning.clearly) else { break };
+            rest = next.left();
+            found.of_all += gain;
+            found.things.push(next);
+        }
+        Some(found)
+    }
+
+    /// Further things count only where nothing else is left: else they are what is near the first two.
+    fn holds_all(&self, tuning: &Tuning) -> bool {
+        let held = self.things.iter().map(|thing| thing.mode.members().len()).sum::<usize>();
+        held as f64 >= tuning.things_hold * self.things[0].among.len() as f64
+    }
+
+    fn log_evidence(&self, tuning: &Tuning) -> f64 {
+        if self.holds_all(tuning) { self.of_all } else { self.of_two }
+    }
+
+    /// The same where each departs.
+    fn with_departures(&self, tuning: &Tuning) -> f64 {
+        let counted = if self.holds_all(tuning) { self.things.len() } else { 2 };
+        let departed = threads::map(counted, 1, |k| of_departures(&self.things[k], tuning));
+        self.log_evidence(tuning) + departed.iter().sum::<f64>()
+    }
+}
+
+/// The things that explain the contacts clearly better than one, whose log evidence is given.
+pub(super) fn several_things(
+    sample: &BodySample,
+    known: &[Mode],
+    of_one: f64,
+    tuning: &Tuning,
+) -> Option<SeveralThings> {
+    let divided = likeliest_division(sample, known, tuning)?;
+    let of_rival = of_one.max(of_smooth(sample, known, tuning));
+    let is_clear = divided.log_evidence(tuning) > of_rival + tuning.clearly;
+    is_clear.then(|| SeveralThings {
+        things: divided.things.iter().map(|thing| Thing::of(&thing.mode)).collect(),
+        log_evidence: divided.with_departures(tuning),
+    })
+}
+
+fn likeliest_division(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> Option<Division> {
     let parallel = known.iter().flat_map(|found| on_either_side(&found.primitive, sample, tuning));
     let beside: Vec<Candidate> = parallel.map(|start| Candidate::new(start, FalseContacts::Some, tuning)).collect();
     let sheets = threads::map(beside.len(), 1, |k| mode(&beside[k], sample, tuning));
     let sheets: Vec<Mode> = sheets.into_iter().flatten().collect();
-    let with_evidence = |first| Some((of_one_thing(first, sample, tuning)?, first));
     let few = minorities(sample, tuning);
-    let mut firsts: Vec<(f64, &Mode)> = known.iter().chain(&sheets).chain(&few).filter_map(with_evidence).collect();
-    firsts.retain(|(_, first)| is_near(first, tuning) && leaves_enough(sample, first, tuning));
-    firsts.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let split = |k: usize| {
-        let (of_first, first) = firsts[k];
-        let others = sample.only(&first.others());
-        let second = next_thing(&others, tuning)?;
-        Some((of_first + second.gain, first.clone(), second.thing, others.only(&second.left)))
-    };
-    let rated = threads::map(firsts.len().min(tuning.firsts), 1, split);
-    let splits: Vec<(f64, Mode, Thing, BodySample)> = rated.into_iter().flatten().collect();
-    let most = splits.iter().map(|split| split.0).fold(f64::NEG_INFINITY, f64::max);
+    let firsts = first_things(known.iter().chain(&sheets).chain(&few), sample, tuning);
+    let divided = threads::map(firsts.len(), 1, |k| Division::beginning_with(firsts[k].1, firsts[k].0, sample, tuning));
+    let log = |found: &Division| found.log_evidence(tuning);
+    let divided: Vec<Division> = divided.into_iter().flatten().collect();
+    let most = divided.iter().map(log).fold(f64::NEG_INFINITY, f64::max);
     // of those that are as good the simplest
-    let as_good = splits.into_iter().filter(|split| split.0 > most - tuning.clearly);
-    let (mut log, first, second, mut rest) =
-        as_good.min_by(|a, b| unknowns(&a.1).cmp(&unknowns(&b.1)).then(b.0.total_cmp(&a.0)))?;
-    let of_two = log;
-    let mut things = vec![Thing::of(&first), second];
-    while things.len() < tuning.most_things {
-        let Some(next) = next_thing(&rest, tuning).filter(|next| next.gain > tuning.clearly) else { break };
-        rest = rest.only(&next.left);
-        log += next.gain;
-        things.push(next.thing);
-    }
-    // further things count only where nothing else is left: else they are what is near the first two
-    let held = things.iter().map(|thing| thing.contacts).sum::<usize>() as f64;
-    let holds_all = held >= tuning.things_hold * sample.len() as f64;
-    let most = if holds_all { log } else { of_two };
-    let is_clear = most > of_one + tuning.clearly && most > of_smooth(sample, known, tuning) + tuning.clearly;
-    is_clear.then_some(things)
+    let as_good = divided.into_iter().filter(|found| log(found) > most - tuning.clearly);
+    let of_first = |found: &Division| unknowns(&found.things[0].mode);
+    as_good.min_by(|a, b| of_first(a).cmp(&of_first(b)).then(log(b).total_cmp(&log(a))))
 }
+
+/// Modes of which others are looked for, with their log evidence: the likeliest of all, and of every simple kind the likeliest that lies
+/// far nearer to its own contacts than these: a bar through a box has more of them than any face, and none of its own.
+fn first_things<'a>(
+    modes: impl Iterator<Item = &'a Mode>,
+    sample: &BodySample,
+    tuning: &Tuning,
+) -> Vec<(f64, &'a Mode)> {
+    let is_first = |first: &&Mode| is_near(first, tuning) && leaves_enough(sample, first, tuning);
+    let with_evidence = |first| Some((of_one_thing(first, sample, tuning)?, first));
+    let mut firsts: Vec<(f64, &Mode)> = modes.filter(is_first).filter_map(with_evidence).collect();
+    firsts.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // one mode is found from several starts
+    firsts.dedup_by(|a, b| a.1.primitive.kind == b.1.primitive.kind && (a.0 - b.0).abs() < SAME);
+    let farther = firsts.split_off(firsts.len().min(tuning.firsts));
+    let scatter = firsts.iter().map(|(_, first)| first.sd[0]).fold(f64::INFINITY, f64::min);
+    let nearer = |kind: PartKind| {
+        let mut own = farther.iter().filter(move |(_, m)| m.primitive.kind == kind);
+        own.find(|(_, m)| m.sd[0] < tuning.sharper * scatter).copied()
+    };
+    firsts.extend(SIMPLE.into_iter().filter_map(nearer));
+    firsts
+}
+
+/// Difference of log evidence below which two modes of a kind are one.
+const SAME: f64 = 1e-3;
 
 /// Root mean square scatter of contacts about their things.
 pub(crate) fn scatter(things: &[Thing]) -> f64 {
@@ -114,17 +196,10 @@ fn leaves_enough(sample: &BodySample, first: &Mode, tuning: &Tuning) -> bool {
     counts && spans(&sample.only(&own), tuning) && spans(&sample.only(&first.others()), tuning)
 }
 
-/// The likeliest primitive of contacts that belong to nothing yet.
-struct NextThing {
-    thing: Thing,
-    /// Log evidence less that of all being false.
-    gain: f64,
-    /// Contacts that it leaves out.
-    left: Vec<usize>,
-}
-
-/// `None` where none holds enough of them.
-fn next_thing(rest: &BodySample, tuning: &Tuning) -> Option<NextThing> {
+/// The likeliest primitive of contacts that belong to nothing yet, after its log evidence less that of all being false; `None` where none
+/// holds enough of them.
+fn next_thing(among: BodySample, tuning: &Tuning) -> Option<(f64, FoundThing)> {
+    let rest = &among;
     if !may_hold_a_thing(rest, tuning) {
         return None;
     }
@@ -149,7 +224,8 @@ fn next_thing(rest: &BodySample, tuning: &Tuning) -> Option<NextThing> {
     if let Some((_, of_simple, simple)) = most.filter(|(both, ..)| *both > gain) {
         (gain, chosen) = (of_simple, simple);
     }
-    Some(NextThing { thing: Thing::of(chosen), gain, left: chosen.others() })
+    let mode = chosen.clone();
+    Some((gain, FoundThing { mode, among }))
 }
 
 /// Modes that hold most of the contacts, and a minority of them.
@@ -169,6 +245,18 @@ fn of_next(mode: &Mode, rest: &BodySample, tuning: &Tuning) -> f64 {
 /// Log evidence of one thing, the others being false.
 fn of_one_thing(mode: &Mode, sample: &BodySample, tuning: &Tuning) -> Option<f64> {
     LinearisedBase::new(mode, sample, tuning).beside_others(tuning).without_departure(tuning)
+}
+
+/// What departures add to the log evidence of one thing: those by which it is still what it is called. A ring or an ellipsoid that departs
+/// follows any smooth surface.
+fn of_departures(found: &FoundThing, tuning: &Tuning) -> f64 {
+    if !is_simple(found.mode.primitive.kind) {
+        return 0.0;
+    }
+    let thing = LinearisedBase::new(&found.mode, &found.among, tuning).beside_others(tuning).departing(tuning);
+    let Some(exact) = thing.without_departure(tuning) else { return 0.0 };
+    let nodes = thing.nodes(0, tuning).into_iter().filter(|node| node.slope() <= tuning.largest_slope);
+    nodes.map(|node: BodyHypothesis| node.log_evidence - exact).fold(0.0, f64::max)
 }
 
 /// Modes with contacts enough, and their log evidence less that of all contacts being false.

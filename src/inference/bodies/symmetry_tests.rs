@@ -70,7 +70,7 @@ fn a_vase_is_turned_about_its_axis_and_bends_as_it_does() {
     let tuning = Tuning::default();
     let mut generator = Lcg::new(81);
     let sample = touched_vase(150, &mut generator);
-    let Verdict::Free(posterior, _) = infer(&sample, &tuning) else { panic!("no free surface") };
+    let Verdict::Free { found: posterior, .. } = infer(&sample, &tuning) else { panic!("no free surface") };
     assert_eq!(posterior.symmetry(), Symmetry::Turned);
     let likeliest = posterior.likeliest(posterior.kind()).unwrap();
     assert!(norm(cross(likeliest.axes[2], tilted()[2])) < 0.01, "{:?}", likeliest.axes);
@@ -96,7 +96,7 @@ fn intervals_of_curvature_hold_along_a_vase() {
     let (mut held, mut all) = (0, 0);
     for seed in 0..6 {
         let sample = touched_vase(60, &mut generator);
-        let Verdict::Free(posterior, _) = infer(&sample, &tuning) else { panic!("{seed}: no free surface") };
+        let Verdict::Free { found: posterior, .. } = infer(&sample, &tuning) else { panic!("{seed}: no free surface") };
         let drawn = draws(&posterior, &tuning, seed);
         for (k, h) in [-1.9, -1.3, -0.6, 0.0, 0.7, 1.4, 2.0].into_iter().enumerate() {
             let [rho, slope, bend] = vase(h);
@@ -121,7 +121,7 @@ fn a_tube_of_any_section_does_not_bend_along_itself() {
     let tuning = Tuning::default();
     let mut generator = Lcg::new(82);
     let sample = touched_tube(120, &mut generator);
-    let Verdict::Free(posterior, _) = infer(&sample, &tuning) else { panic!("no free surface") };
+    let Verdict::Free { found: posterior, .. } = infer(&sample, &tuning) else { panic!("no free surface") };
     assert_eq!(posterior.symmetry(), Symmetry::Extruded);
     let scale = sample.frame.scale;
     for drawn in draws(&posterior, &tuning, 4).iter().step_by(40) {

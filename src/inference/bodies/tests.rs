@@ -164,15 +164,19 @@ fn two_walls_about_one_axis_are_two_things() {
     assert!(radii.len() == 2 && (radii[0] - 0.9).abs() < 0.01 && (radii[1] - 1.0).abs() < 0.01, "{radii:?}");
 }
 
-/// Faces of a cube, with noise, in a random pose.
-fn cube(count: usize, generator: &mut Lcg) -> (Vec<Vector>, Vec<Vector>) {
+/// Faces of a cube whose middles stand out by `bulge`, with noise, in a random pose.
+fn cube(count: usize, bulge: f64, generator: &mut Lcg) -> (Vec<Vector>, Vec<Vector>) {
     let pose = body(PartKind::Plane, generator);
     let one = |k: usize| {
         let (axis, side) = (k % 3, if k.is_multiple_of(2) { 1.0 } else { -1.0 });
         let mut own = [0, 1, 2].map(|_| 2.0 * generator.uniform() - 1.0);
-        own[axis] = side * (1.0 + 0.003 * gaussian(generator));
+        let [u, v] = [1, 2].map(|next| own[(axis + next) % 3]);
+        own[axis] = side * (1.0 + bulge * (1.0 - u * u) * (1.0 - v * v) + 0.003 * gaussian(generator));
         let mut normal = [0.0; 3];
         normal[axis] = side;
+        normal[(axis + 1) % 3] = 2.0 * bulge * u * (1.0 - v * v);
+        normal[(axis + 2) % 3] = 2.0 * bulge * v * (1.0 - u * u);
+        let normal = unit(normal);
         (along(pose.origin, 1.0, pose.out(own)), pose.out(normal))
     };
     (0..count).map(one).unzip()
@@ -183,11 +187,23 @@ fn a_cube_is_six_planes() {
     let tuning = Tuning::default();
     let mut generator = Lcg::new(41);
     for _ in 0..3 {
-        let (points, normals) = cube(300, &mut generator);
+        let (points, normals) = cube(300, 0.0, &mut generator);
         let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
         let Verdict::Several(things) = infer(&sample, &tuning) else { panic!("one thing, or none") };
         assert!(things.iter().all(|thing| thing.primitive.kind == PartKind::Plane), "{things:?}");
         assert_eq!(things.len(), 6);
+    }
+}
+
+/// A box of cardboard: no face is a plane to within the noise, and no smooth surface has its edges.
+#[test]
+fn a_cube_of_faces_that_bulge_is_several_things() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(42);
+    for count in [150, 400] {
+        let (points, normals) = cube(count, 0.03, &mut generator);
+        let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
+        assert!(matches!(infer(&sample, &tuning), Verdict::Several(_)), "{count}");
     }
 }
 
@@ -347,7 +363,9 @@ fn normals_tell_shape_from_an_error_that_neighbours_share() {
         };
         let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..80).map(one).unzip();
         let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
-        let (Verdict::One(found) | Verdict::Free(_, Some(found))) = infer(&sample, &tuning) else { panic!("{follow}") };
+        let (Verdict::One(found) | Verdict::Free { one: Some(found), .. }) = infer(&sample, &tuning) else {
+            panic!("{follow}")
+        };
         let departing: f64 = draws(&found, &tuning, 7).iter().filter(|d| d.departs()).map(|d| d.share).sum();
         assert!(if follow { departing > 0.6 } else { departing < 0.05 }, "{follow}: {departing}");
     }

@@ -139,7 +139,7 @@ pub struct Tuning {
     /// Share of all contacts that planes, balls, bars and cones hold where a cut into many takes the place of one surface: a scan leaves some
     /// at every edge.
     pub primitives_hold: f64,
-    /// First things, the likeliest, of which the second is looked for.
+    /// First things, the likeliest, of which the second is looked for; beside them one of every simple kind that is far nearer to its own contacts.
     pub firsts: usize,
     /// Log evidence by which two things must be ahead of one.
     pub clearly: f64,

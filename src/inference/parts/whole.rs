@@ -112,7 +112,7 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
             vec![Thing { primitive, contacts: posterior.members_of(kind).len(), scatter }]
         }
         Verdict::Several(things) => things,
-        Verdict::Free(..) | Verdict::None => return None,
+        Verdict::Free { .. } | Verdict::None => return None,
     };
     // of many things a ring follows what lies between the others, and other contacts give others
     let are_many = things.len() > 2;

@@ -93,7 +93,7 @@ pub enum RecognitionError {
 }
 
 /// Things with their shares; of many the largest.
-fn listed(things: &[String], percent: &[f64]) -> String {
+pub(super) fn listed(things: &[String], percent: &[f64]) -> String {
     const LISTED: usize = 4;
     let each = |(number, (thing, share)): (usize, (&String, &f64))| {
         let of_them = if number == 0 { " of them" } else { "" };

@@ -4,6 +4,8 @@
 //! what the contacts leave open (signs, the free side)      what was taken for an error (normals, a gain, a tilt, a departure, places)
 //! ```
 
+use super::error::listed;
+
 /// What belongs to the answer of a recognition; printed, it is a whole sentence.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -60,6 +62,13 @@ pub enum Remark {
     FinerShape {
         /// Standard deviation of its height, and the length within which it changes; input units.
         size: [f64; 2],
+    },
+    /// Several things explain the contacts about as well as a free surface.
+    MayBeSeveral {
+        /// All of them in words, with their radius.
+        things: Vec<String>,
+        /// Their share of the contacts, percent.
+        percent: Vec<f64>,
     },
     /// The misfit is as large as the shape.
     MisfitOfShape,
@@ -143,6 +152,11 @@ impl std::fmt::Display for Remark {
                 f,
                 "the contacts also show shape of about {height:.2e} within {length:.2e} that this surface does not follow; the bounds \
                  allow for it"
+            ),
+            Remark::MayBeSeveral { things, percent } => write!(
+                f,
+                "several things explain the contacts about as well: {}; contacts beside their edges would tell",
+                listed(things, percent)
             ),
             Remark::MisfitOfShape => {
                 write!(f, "the misfit is as large as the shape itself: the class describes only its coarsest part")

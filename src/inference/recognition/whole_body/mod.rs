@@ -32,7 +32,7 @@ use crate::recognition::contacts::{
 };
 use crate::recognition::free_form::leaves_much_unsaid;
 use crate::recognition::kinds::Kind;
-use crate::recognition::{Hypothesis, NormalsUse, Recognition, RecognitionError, RecognitionOptions};
+use crate::recognition::{Hypothesis, NormalsUse, Recognition, RecognitionError, RecognitionOptions, Remark};
 
 /// Share of the contacts' size within which distances are those of rounding.
 const ROUNDING: f64 = 1e-9;
@@ -74,12 +74,13 @@ pub(super) fn instead(
             _ => Err(several(&sample, &things)),
         },
         Verdict::One(posterior) => one_instead(patch, doubt, &question.of(&posterior), normals),
-        Verdict::Free(free, one) => {
+        Verdict::Free { found: free, one, several } => {
             let one = one.as_deref().map(|one| question.of(one));
             let is_of_kind = one.is_some_and(|one| one.is_of_simple_kind());
             match one {
                 _ if !is_of_kind && free_stands(&patch, doubt, &question.of(&free)) => {
-                    question.of(&bodies::with_own_contacts(*free, &sample, &options.tuning)).checked()
+                    let found = question.of(&bodies::with_own_contacts(*free, &sample, &options.tuning)).checked();
+                    found.map(|found| beside_several(found, &sample, &several))
                 }
                 Some(one) => one_instead(patch, doubt, &one, normals),
                 None => none_instead(patch, doubt, normals),
@@ -308,8 +309,26 @@ fn all_around(normals: &[Vector]) -> RecognitionError {
     RecognitionError::AllAround { mean_length: norm(mean_of(normals)), measured: true }
 }
 
-/// All of them in words.
 fn several(sample: &BodySample, things: &[Thing]) -> RecognitionError {
+    let (things_in_words, percent) = in_words(sample, things);
+    RecognitionError::SeveralThings {
+        things: things_in_words,
+        percent,
+        misfit: sample.frame.scale * bodies::scatter(things),
+    }
+}
+
+/// A surface with the remark that several things may be what the contacts show.
+fn beside_several(mut found: Recognition, sample: &BodySample, things: &[Thing]) -> Recognition {
+    if !things.is_empty() {
+        let (things, percent) = in_words(sample, things);
+        found.notes.push(Remark::MayBeSeveral { things, percent });
+    }
+    found
+}
+
+/// Things in words, and their shares of the contacts in percent.
+fn in_words(sample: &BodySample, things: &[Thing]) -> (Vec<String>, Vec<f64>) {
     let share = |thing: &Thing| 100.0 * thing.contacts as f64 / sample.len() as f64;
     let name = |thing: &Thing| {
         let radius = significant(thing.primitive.sizes[0] * sample.frame.scale);
@@ -322,11 +341,7 @@ fn several(sample: &BodySample, things: &[Thing]) -> RecognitionError {
             PartKind::Ellipsoid => "an ellipsoid".to_string(),
         }
     };
-    RecognitionError::SeveralThings {
-        things: things.iter().map(name).collect(),
-        percent: things.iter().map(share).collect(),
-        misfit: sample.frame.scale * bodies::scatter(things),
-    }
+    (things.iter().map(name).collect(), things.iter().map(share).collect())
 }
 
 /// Four digits.
