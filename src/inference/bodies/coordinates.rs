@@ -39,6 +39,9 @@ pub(super) enum DepartureOver {
 }
 
 impl DepartureOver {
+    /// What that of a free surface may be a function of.
+    pub(super) const FORMS: [DepartureOver; 3] = [DepartureOver::Space, DepartureOver::Turned, DepartureOver::Extruded];
+
     /// Which of `tau omega size omega3` move the base where it is only what a departure is counted from: those that no departure takes up.
     pub(super) fn moving(self) -> &'static [usize] {
         match self {

@@ -111,7 +111,7 @@ fn likeliest_modes(forms: Vec<FreeBody>, sample: &BodySample, tuning: &Tuning) -
         let followed = followed.filter(|mode| !mode.folds_within_its_scatter(sample, tuning));
         followed.max_by(|a, b| a.best.log_evidence.total_cmp(&b.best.log_evidence))
     };
-    [DepartureOver::Space, DepartureOver::Turned, DepartureOver::Extruded].into_iter().filter_map(of).collect()
+    DepartureOver::FORMS.into_iter().filter_map(of).collect()
 }
 
 impl FreeMode {

@@ -2,6 +2,7 @@
 
 use super::body_hypothesis::BodyHypothesis;
 use super::body_posterior::{BodyPosterior, most, normalised};
+use super::coordinates::DepartureOver;
 use super::evidence::LinearisedBase;
 use super::free_surface::free_surface;
 use super::mode::{FalseContacts, Mode};
@@ -80,14 +81,13 @@ fn infer_beside(
 
 /// Several things, or the free surface where it explains the contacts as well.
 fn several_or_free(several: SeveralThings, free: Option<FreeRival>, all: &BodySample, tuning: &Tuning) -> Verdict {
-    let Some(free) = free.filter(|free| !free.says_less(&several.things, tuning)) else {
-        return Verdict::Several(several.things);
-    };
+    let Some(free) = free else { return Verdict::Several(several.things) };
     let behind = free.behind(&several, all, tuning);
-    if behind > tuning.clearly {
+    let is_open = behind >= -tuning.clearly;
+    if behind > tuning.clearly || is_open && free.says_less(&several.things, tuning) {
         return Verdict::Several(several.things);
     }
-    let several = if behind < -tuning.clearly { Vec::new() } else { several.things };
+    let several = if is_open { several.things } else { Vec::new() };
     Verdict::Free { found: Box::new(free.found), one: None, several }
 }
 
@@ -126,9 +126,9 @@ impl FreeRival {
         are_simple && scatter(things) <= tuning.as_near * self.scatter()
     }
 
-    /// Log evidence by which several things are ahead of it, over the contacts that it was computed from.
+    /// Log evidence by which several things are ahead of it, over the contacts that it was computed from. Beforehand it may be of any symmetry.
     fn behind(&self, several: &SeveralThings, all: &BodySample, tuning: &Tuning) -> f64 {
-        let own = self.found.log_evidence;
+        let own = self.found.log_evidence - (DepartureOver::FORMS.len() as f64).ln();
         if all.len() <= tuning.free_contacts {
             return several.log_evidence - own;
         }

@@ -250,7 +250,9 @@ fn of_one_thing(mode: &Mode, sample: &BodySample, tuning: &Tuning) -> Option<f64
 /// What departures add to the log evidence of one thing: those by which it is still what it is called. A ring or an ellipsoid that departs
 /// follows any smooth surface.
 fn of_departures(found: &FoundThing, tuning: &Tuning) -> f64 {
-    if !is_simple(found.mode.primitive.kind) {
+    // what has few contacts beside its unknowns shows no scatter by which a departure would be rated
+    let is_rated = found.mode.members().len() >= 2 * unknowns(&found.mode);
+    if !is_simple(found.mode.primitive.kind) || !is_rated {
         return 0.0;
     }
     let thing = LinearisedBase::new(&found.mode, &found.among, tuning).beside_others(tuning).departing(tuning);
