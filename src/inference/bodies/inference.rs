@@ -6,7 +6,7 @@ use super::coordinates::DepartureOver;
 use super::evidence::LinearisedBase;
 use super::free_surface::free_surface;
 use super::mode::{FalseContacts, Mode};
-use super::other_things::{SeveralThings, Thing, is_simple, scatter, several_things};
+use super::other_things::{RatedThings, Thing, is_simple, scatter, several_things};
 use super::sample::BodySample;
 use super::search::modes;
 use super::tuning::Tuning;
@@ -80,7 +80,7 @@ fn infer_beside(
 }
 
 /// Several things, or the free surface where it explains the contacts as well.
-fn several_or_free(several: SeveralThings, free: Option<FreeRival>, all: &BodySample, tuning: &Tuning) -> Verdict {
+fn several_or_free(several: RatedThings, free: Option<FreeRival>, all: &BodySample, tuning: &Tuning) -> Verdict {
     let Some(free) = free else { return Verdict::Several(several.things) };
     let behind = free.behind(&several, all, tuning);
     let is_open = behind >= -tuning.clearly;
@@ -127,7 +127,7 @@ impl FreeRival {
     }
 
     /// Log evidence by which several things are ahead of it, over the contacts that it was computed from. Beforehand it may be of any symmetry.
-    fn behind(&self, several: &SeveralThings, all: &BodySample, tuning: &Tuning) -> f64 {
+    fn behind(&self, several: &RatedThings, all: &BodySample, tuning: &Tuning) -> f64 {
         let own = self.found.log_evidence - (DepartureOver::FORMS.len() as f64).ln();
         if all.len() <= tuning.free_contacts {
             return several.log_evidence - own;

@@ -42,7 +42,7 @@ impl Thing {
 }
 
 /// Things that explain the contacts clearly better than one.
-pub(super) struct SeveralThings {
+pub(super) struct RatedThings {
     pub(super) things: Vec<Thing>,
     /// With a departure of each.
     pub(super) log_evidence: f64,
@@ -104,16 +104,11 @@ impl Division {
 }
 
 /// The things that explain the contacts clearly better than one, whose log evidence is given.
-pub(super) fn several_things(
-    sample: &BodySample,
-    known: &[Mode],
-    of_one: f64,
-    tuning: &Tuning,
-) -> Option<SeveralThings> {
+pub(super) fn several_things(sample: &BodySample, known: &[Mode], of_one: f64, tuning: &Tuning) -> Option<RatedThings> {
     let divided = likeliest_division(sample, known, tuning)?;
     let of_rival = of_one.max(of_smooth(sample, known, tuning));
     let is_clear = divided.log_evidence(tuning) > of_rival + tuning.clearly;
-    is_clear.then(|| SeveralThings {
+    is_clear.then(|| RatedThings {
         things: divided.things.iter().map(|thing| Thing::of(&thing.mode)).collect(),
         log_evidence: divided.with_departures(tuning),
     })

@@ -4,8 +4,6 @@
 //! what the contacts leave open (signs, the free side)      what was taken for an error (normals, a gain, a tilt, a departure, places)
 //! ```
 
-use super::error::listed;
-
 /// What belongs to the answer of a recognition; printed, it is a whole sentence.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -65,10 +63,8 @@ pub enum Remark {
     },
     /// Several things explain the contacts about as well as a free surface.
     MayBeSeveral {
-        /// All of them in words, with their radius.
-        things: Vec<String>,
-        /// Their share of the contacts, percent.
-        percent: Vec<f64>,
+        /// All of them in words, with their radius and their share of the contacts.
+        things: String,
     },
     /// The misfit is as large as the shape.
     MisfitOfShape,
@@ -153,10 +149,9 @@ impl std::fmt::Display for Remark {
                 "the contacts also show shape of about {height:.2e} within {length:.2e} that this surface does not follow; the bounds \
                  allow for it"
             ),
-            Remark::MayBeSeveral { things, percent } => write!(
+            Remark::MayBeSeveral { things } => write!(
                 f,
-                "several things explain the contacts about as well: {}; contacts beside their edges would tell",
-                listed(things, percent)
+                "several things explain the contacts about as well: {things}; contacts beside their edges would tell"
             ),
             Remark::MisfitOfShape => {
                 write!(f, "the misfit is as large as the shape itself: the class describes only its coarsest part")

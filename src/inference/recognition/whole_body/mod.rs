@@ -30,6 +30,7 @@ use crate::primitives::placed::PartKind;
 use crate::recognition::contacts::{
     Observations, distance_from_conic, patch_frame, spread_beside_a_line, stand_upright,
 };
+use crate::recognition::error::listed;
 use crate::recognition::free_form::leaves_much_unsaid;
 use crate::recognition::kinds::Kind;
 use crate::recognition::{Hypothesis, NormalsUse, Recognition, RecognitionError, RecognitionOptions, Remark};
@@ -322,7 +323,7 @@ fn several(sample: &BodySample, things: &[Thing]) -> RecognitionError {
 fn beside_several(mut found: Recognition, sample: &BodySample, things: &[Thing]) -> Recognition {
     if !things.is_empty() {
         let (things, percent) = in_words(sample, things);
-        found.notes.push(Remark::MayBeSeveral { things, percent });
+        found.notes.push(Remark::MayBeSeveral { things: listed(&things, &percent) });
     }
     found
 }
