@@ -178,9 +178,10 @@ impl<'a> LinearisedBase<'a> {
         moved(&self.primitive, self.moving, &step)
     }
 
-    /// Log evidence where there is no departure.
+    /// Log evidence where there is no departure; `None` where it would be that of a primitive elsewhere.
     pub(super) fn without_departure(&self, tuning: &Tuning) -> Option<f64> {
-        Some(self.node(0, &self.plain, None, tuning.exact.ln(), tuning)?.log_evidence)
+        let node = self.node(0, &self.plain, None, tuning.exact.ln(), tuning)?;
+        self.is_linear(&node, tuning).then_some(node.log_evidence)
     }
 
     /// Nodes without a departure and with departures of all lengths and sizes.

@@ -61,7 +61,7 @@ fn infer_beside(
     let several = (!is_sure).then(|| several_things(sample, &modes, of_one, tuning)).flatten();
     if let Some(several) = several {
         // one primitive is then no answer
-        return several_or_free(several, free.filter(is_clear), all, tuning);
+        return several_or_free(several, free.filter(is_clear), tuning);
     }
     let one = answer.map(|mut posterior| {
         if sample.len() < all.len() {
@@ -80,9 +80,9 @@ fn infer_beside(
 }
 
 /// Several things, or the free surface where it explains the contacts as well.
-fn several_or_free(several: RatedThings, free: Option<FreeRival>, all: &BodySample, tuning: &Tuning) -> Verdict {
+fn several_or_free(several: RatedThings, free: Option<FreeRival>, tuning: &Tuning) -> Verdict {
     let Some(free) = free else { return Verdict::Several(several.things) };
-    let behind = free.behind(&several, all, tuning);
+    let behind = free.behind(&several, tuning);
     let is_open = behind >= -tuning.clearly;
     if behind > tuning.clearly || is_open && free.says_less(&several.things, tuning) {
         return Verdict::Several(several.things);
@@ -96,17 +96,20 @@ struct FreeRival {
     found: BodyPosterior,
     /// Log evidence of the likeliest primitive over the contacts that the free surface was computed from.
     of_one: f64,
+    /// These contacts and the modes of primitives among them, where they are not all.
+    of_some: Option<(BodySample, Vec<Mode>)>,
 }
 
 impl FreeRival {
     fn new(all: &BodySample, sample: &BodySample, of_one: f64, tuning: &Tuning) -> Option<FreeRival> {
         let found = free_surface(all, tuning)?;
         if sample.len() <= tuning.free_contacts {
-            return Some(FreeRival { found, of_one });
+            return Some(FreeRival { found, of_one, of_some: None });
         }
-        let few = all.at_most(tuning.free_contacts);
-        let of_few = posterior(&modes(&few, tuning), &few, tuning).and_then(|one| one.without_sections(tuning));
-        Some(FreeRival { found, of_one: evidence_of(of_few.as_ref()) })
+        let some = all.at_most(tuning.free_contacts);
+        let known = modes(&some, tuning);
+        let one = posterior(&known, &some, tuning).and_then(|one| one.without_sections(tuning));
+        Some(FreeRival { found, of_one: evidence_of(one.as_ref()), of_some: Some((some, known)) })
     }
 
     /// Whether it explains the contacts clearly better than a primitive with a departure of its own, and lies nearer to them: a primitive
@@ -127,14 +130,13 @@ impl FreeRival {
     }
 
     /// Log evidence by which several things are ahead of it, over the contacts that it was computed from. Beforehand it may be of any symmetry.
-    fn behind(&self, several: &RatedThings, all: &BodySample, tuning: &Tuning) -> f64 {
-        let own = self.found.log_evidence - (DepartureOver::FORMS.len() as f64).ln();
-        if all.len() <= tuning.free_contacts {
-            return several.log_evidence - own;
-        }
-        let few = all.at_most(tuning.free_contacts);
-        let of_few = several_things(&few, &modes(&few, tuning), f64::NEG_INFINITY, tuning);
-        of_few.map_or(f64::NEG_INFINITY, |several| several.log_evidence - own)
+    fn behind(&self, several: &RatedThings, tuning: &Tuning) -> f64 {
+        let of_several = match &self.of_some {
+            None => several.log_evidence,
+            Some((some, known)) => several_things(some, known, f64::NEG_INFINITY, tuning)
+                .map_or(f64::NEG_INFINITY, |several| several.log_evidence),
+        };
+        of_several - self.found.log_evidence + (DepartureOver::FORMS.len() as f64).ln()
     }
 }
 

@@ -252,8 +252,9 @@ fn of_departures(found: &FoundThing, tuning: &Tuning) -> f64 {
     }
     let thing = LinearisedBase::new(&found.mode, &found.among, tuning).beside_others(tuning).departing(tuning);
     let Some(exact) = thing.without_departure(tuning) else { return 0.0 };
-    let nodes = thing.nodes(0, tuning).into_iter().filter(|node| node.slope() <= tuning.largest_slope);
-    nodes.map(|node: BodyHypothesis| node.log_evidence - exact).fold(0.0, f64::max)
+    let is_thing = |node: &BodyHypothesis| node.slope() <= tuning.largest_slope && thing.is_linear(node, tuning);
+    let nodes = thing.nodes(0, tuning).into_iter().filter(is_thing);
+    nodes.map(|node| node.log_evidence - exact).fold(0.0, f64::max)
 }
 
 /// Modes with contacts enough, and their log evidence less that of all contacts being false.

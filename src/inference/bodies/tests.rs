@@ -3,7 +3,7 @@
 use super::evidence::LinearisedBase;
 use super::free_surface::free_surface;
 use super::inference::{Verdict, infer};
-use super::mode::FalseContacts;
+use super::mode::{FalseContacts, Mode};
 use super::posterior::{draws, spread};
 use super::prior::log_prior;
 use super::sample::BodySample;
@@ -96,6 +96,22 @@ fn evidence_is_that_of_integration() {
         let integral = by_integration(&sample, &truth, &tuning, &mut generator);
         assert!((laplace - integral).abs() < 0.05, "{kind:?} of {count}: {laplace} for {integral}");
     }
+}
+
+/// Far from its mode the equations promise distances that no step reaches: a thing beside others once had evidence by them.
+#[test]
+fn a_primitive_away_from_its_contacts_has_no_evidence() {
+    let tuning = Tuning::default();
+    let mut generator = Lcg::new(12);
+    let ball = Primitive { sizes: [1.0, 0.0, 0.0], ..body(PartKind::Sphere, &mut generator) };
+    let (points, _) = touched(&ball, 40, 6.0, 0.01, &mut generator);
+    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    let found = modes(&sample, &tuning);
+    let near = found.iter().find(|m| m.primitive.kind == PartKind::Sphere && m.strays == FalseContacts::None).unwrap();
+    assert!(LinearisedBase::new(near, &sample, &tuning).without_departure(&tuning).is_some());
+    let origin = along(near.primitive.origin, 2.0, [1.0, 0.0, 0.0]);
+    let far = Mode { primitive: Primitive { origin, ..near.primitive }, ..near.clone() };
+    assert!(LinearisedBase::new(&far, &sample, &tuning).without_departure(&tuning).is_none());
 }
 
 /// The rank of the true radius among the draws is even: over ten bins of 120 bodies.
