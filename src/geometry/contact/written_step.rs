@@ -9,6 +9,8 @@
 //! A bar along an even grid has few heights, each many times over, and all contacts of one height are rounded alike: `copies` of them
 //! tell as much as one.
 
+use palpate_numeric::vector::Vector;
+
 use super::{Contacts, Grid, Orientation};
 
 /// Steps below this share of the largest number are those of doubles: random doubles are multiples of such steps by chance.
@@ -39,15 +41,56 @@ impl Rounding {
     /// Of numbers that were not rounded.
     pub const NONE: Rounding = Rounding { position: [0.0; 3], normal: 0.0, copies: [1.0; 2] };
 
+    /// The same of numbers divided by a length.
+    pub fn per(self, length: f64) -> Rounding {
+        Rounding { position: self.position.map(|sd| sd / length), ..self }
+    }
+
+    /// The largest of a place in any direction, and that of a normal.
+    pub fn largest(&self) -> [f64; 2] {
+        [self.position.into_iter().fold(0.0, f64::max), self.normal]
+    }
+
+    /// Of some of the contacts, in the same units: what is left along their normals, and the copies among them, of whose heights the
+    /// coordinate tells to which the normals are nearest.
+    pub fn among(self, points: &[Vector], normals: &[Vector]) -> Rounding {
+        let count = normals.len().max(1) as f64;
+        let column = |of: &[Vector], k: usize| of.iter().map(|v| v[k]).collect::<Vec<f64>>();
+        let along = [0, 1, 2].map(|k| normals.iter().map(|n| n[k] * n[k]).sum::<f64>() / count);
+        let variance: f64 = (0..3).map(|k| along[k] * self.position[k].powi(2)).sum();
+        let up = (1..3).fold(0, |up, k| if along[k] > along[up] { k } else { up });
+        let of_heights = match self.position[up] {
+            0.0 => 1.0,
+            sd => copies(&column(points, up), step(sd)),
+        };
+        let columns = [0, 1, 2].map(|k| column(normals, k));
+        let written = (self.normal > 0.0).then(|| step(self.normal));
+        let (_, of_normals) = of_directions(&columns.each_ref(), |_| written);
+        Rounding { position: [variance.sqrt(); 3], copies: [of_heights, of_normals], ..self }
+    }
+
+    /// Variances of a place and of a normal that count for as many contacts as there are: what shares one rounding errs alike.
+    pub fn variances(&self) -> [f64; 2] {
+        let [place, normal] = self.largest();
+        [place * place * Rounding::of_copies(self.copies[0]), normal * normal * Rounding::of_copies(self.copies[1])]
+    }
+
+    /// By how much copies widen a variance. The few heights of a bar on an even grid are no sample of roundings: each may be off by half a
+    /// step, whose square is three times the variance.
+    pub fn of_copies(copies: f64) -> f64 {
+        const WORST: f64 = 3.0;
+        1.0 + WORST * (copies - 1.0)
+    }
+
     /// Of contacts. Places that are rounder than their heights were chosen so: of x and y the finest step of all three counts.
     pub fn of_contacts(contacts: &Contacts) -> Rounding {
-        let steps = [&contacts.x, &contacts.y, &contacts.z].map(|column| step(column));
+        let steps = [&contacts.x, &contacts.y, &contacts.z].map(|column| step_of_column(column));
         let normals = match &contacts.orientation {
             Orientation::None => (0.0, 1.0),
-            Orientation::Slopes { zx, zy } => of_directions(&[zx, zy]),
+            Orientation::Slopes { zx, zy } => of_directions(&[zx, zy], common_step),
             Orientation::Normals { nx, ny, nz } => {
                 let square = (0..nx.len()).map(|r| nx[r] * nx[r] + ny[r] * ny[r] + nz[r] * nz[r]).sum::<f64>();
-                let (step, copies) = of_directions(&[nx, ny, nz]);
+                let (step, copies) = of_directions(&[nx, ny, nz], common_step);
                 (step / (square / nx.len() as f64).sqrt(), copies)
             }
         };
@@ -59,8 +102,8 @@ impl Rounding {
         let known = |map: &ndarray::Array2<f64>| map.iter().copied().filter(|v| !v.is_nan()).collect::<Vec<f64>>();
         let heights = known(&grid.z);
         let slopes: Vec<Vec<f64>> = grid.zx.iter().chain(&grid.zy).map(known).collect();
-        let normals = of_directions(&slopes.iter().collect::<Vec<_>>());
-        Rounding::of([step(&grid.x), step(&grid.y), step(&heights)], normals, &heights)
+        let normals = of_directions(&slopes.iter().collect::<Vec<_>>(), common_step);
+        Rounding::of([step_of_column(&grid.x), step_of_column(&grid.y), step_of_column(&heights)], normals, &heights)
     }
 
     fn of([x, y, z]: [Option<f64>; 3], (normal, of_normals): (f64, f64), heights: &[f64]) -> Rounding {
@@ -78,14 +121,19 @@ fn sd(step: f64) -> f64 {
     step / 12.0_f64.sqrt()
 }
 
+/// The step whose rounding has this standard deviation.
+fn step(sd: f64) -> f64 {
+    sd * 12.0_f64.sqrt()
+}
+
 /// Step of directions, and how many share one rounding, by the component that repeats most; the largest one hardly changes where the
 /// others do. Normals of a plane are all the same, and of a bar mirrored; a component that is 0 or 1 throughout was not measured.
-fn of_directions(columns: &[&Vec<f64>]) -> (f64, f64) {
+fn of_directions(columns: &[&Vec<f64>], written: impl Fn(&[f64]) -> Option<f64>) -> (f64, f64) {
     let mut sizes: Vec<Vec<f64>> =
         columns.iter().map(|column| column.iter().map(|v| v.abs()).collect::<Vec<f64>>()).collect();
     sizes.sort_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum()));
     let told = sizes.iter().filter(|sizes| sizes.iter().any(|v| *v != 0.0 && *v != 1.0));
-    let found: Vec<(f64, f64)> = told.filter_map(|v| common_step(v).map(|step| (step, copies(v, step)))).collect();
+    let found: Vec<(f64, f64)> = told.filter_map(|v| written(v).map(|step| (step, copies(v, step)))).collect();
     let step = found.iter().map(|(step, _)| *step).reduce(f64::min).unwrap_or(0.0);
     (step, found.iter().take(2).map(|(_, copies)| *copies).fold(1.0, f64::max))
 }
@@ -96,7 +144,7 @@ fn finest(steps: impl IntoIterator<Item = Option<f64>>) -> f64 {
 }
 
 /// The step of finite numbers; `None` where there are too few different ones to show any.
-fn step(values: &[f64]) -> Option<f64> {
+fn step_of_column(values: &[f64]) -> Option<f64> {
     let mut different: Vec<f64> = Vec::with_capacity(FEWEST_NUMBERS);
     for v in values {
         if different.len() < FEWEST_NUMBERS && !different.contains(v) {
@@ -192,7 +240,7 @@ mod tests {
             let expected = 10.0_f64.powi(-digits);
             for unit in [1.0, 1e-3, 1e3, 1e10, 1e-60] {
                 let values: Vec<f64> = rounded(digits).iter().map(|v| v * unit).collect();
-                let found = step(&values).unwrap();
+                let found = step_of_column(&values).unwrap();
                 assert!((found / (expected * unit) - 1.0).abs() < 1e-9, "{digits} {unit}: {found}");
             }
         }
@@ -201,25 +249,25 @@ mod tests {
     #[test]
     fn doubles_show_their_own_and_singles_theirs() {
         let largest = roots().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        assert_eq!(step(&roots()), Some(largest * f64::EPSILON));
+        assert_eq!(step_of_column(&roots()), Some(largest * f64::EPSILON));
         let singles: Vec<f64> = roots().iter().map(|v| f64::from(*v as f32)).collect();
-        let found = step(&singles).unwrap();
+        let found = step_of_column(&singles).unwrap();
         assert!((0.3..=1.0).contains(&(found / (largest * f64::from(f32::EPSILON)))), "{found}");
         let binary: Vec<f64> = roots().iter().map(|v| (v * 64.0).round() / 64.0).collect();
-        assert_eq!(step(&binary), Some(1.0 / 64.0));
+        assert_eq!(step_of_column(&binary), Some(1.0 / 64.0));
     }
 
     /// `%g` writes six digits of every number, so that most are rounder than the smallest one.
     #[test]
     fn numbers_of_as_many_digits_show_the_step_of_the_larger_ones() {
         let values: Vec<f64> = roots().iter().map(|v| format!("{:.5e}", 3.0 * v).parse().unwrap()).collect();
-        let found = step(&values).unwrap();
+        let found = step_of_column(&values).unwrap();
         assert!((1e-5..1e-4).contains(&found), "{found}");
     }
 
     #[test]
     fn columns_of_few_numbers_show_none() {
-        assert_eq!([step(&[0.0; 9]), step(&[5.0; 9]), step(&[1.0, 2.0, 1.0])], [None; 3]);
+        assert_eq!([step_of_column(&[0.0; 9]), step_of_column(&[5.0; 9]), step_of_column(&[1.0, 2.0, 1.0])], [None; 3]);
     }
 
     /// Places on an even grid are integers although nothing was rounded there.
@@ -241,5 +289,27 @@ mod tests {
     fn heights_that_fall_together_by_chance_are_no_copies() {
         let heights: Vec<f64> = (0..2000).map(|k| (f64::from(k) * 0.618_034).fract() * 20.0).map(f64::round).collect();
         assert_eq!(copies(&heights, 1.0), 1.0);
+    }
+
+    /// A bar along y on an even grid: the heights and normals of a row are rounded alike, and so are those of the row across.
+    #[test]
+    fn contacts_of_a_row_share_their_roundings() {
+        let rounded = |v: Vector| v.map(|v| (v * 1e3).round() / 1e3);
+        let contact = |k: u32| {
+            let [x, y] = [k % 8, k / 8].map(|k| f64::from(k) - 3.5);
+            let height = (81.0 - x * x).sqrt();
+            (rounded([x, y, height]), rounded([x / 9.0, 0.0, height / 9.0]))
+        };
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..64).map(contact).unzip();
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        let found = Rounding::of_contacts(&contacts).among(&points, &normals);
+        // rounded normals are not quite of length one
+        let is = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-3;
+        assert!(is(found.normal, 1e-3 / 12.0_f64.sqrt()) && found.largest()[0] < 1.01 * found.normal, "{found:?}");
+        assert_eq!(found.copies, [16.0, 16.0]);
+        let half = found.among(&points[..32], &normals[..32]);
+        assert_eq!(half.copies, [8.0, 8.0]);
+        assert!(is(half.variances()[1], 22.0 * half.normal.powi(2)), "{half:?}");
+        assert!(is(found.per(2.0).position[2], 0.5 * found.position[2]));
     }
 }

@@ -6,6 +6,7 @@
 //!
 //! Every length in this room is in units of s until the answer is written, so that a cloud and its copy in metres are cut alike.
 
+use palpate_geometry::contact::Rounding;
 use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
@@ -35,6 +36,8 @@ pub(super) struct Cloud {
     /// What one unit here is in the input.
     pub(super) scale: f64,
     pub(super) centre: Vector,
+    /// By how much the numbers were rounded where they were written.
+    pub(super) rounding: Rounding,
 }
 
 /// Points in units of their size about their centre, that centre and that size; `None` where all points are one.
@@ -69,7 +72,12 @@ impl Cloud {
         let found = threads::map(points.len(), 256, of);
         let spacing = upper_median(found.iter().map(|(_, distance)| *distance).collect::<Vec<f64>>())?;
         let neighbours = found.into_iter().flat_map(|(list, _)| list).collect();
-        Some(Cloud { points, normals, neighbours, spacing, scale, centre })
+        Some(Cloud { points, normals, neighbours, spacing, scale, centre, rounding: Rounding::NONE })
+    }
+
+    /// The same of numbers that were rounded by so much, in the input's units.
+    pub(super) fn rounded(self, rounding: Rounding) -> Cloud {
+        Cloud { rounding: rounding.per(self.scale), ..self }
     }
 
     /// So many of the contacts, evenly along a curve that fills space, in the same units; `None` where there are no more.
@@ -86,7 +94,8 @@ impl Cloud {
         order.sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_place(a.1, b.1)).then(a.1.cmp(&b.1)));
         let taken = (0..most).map(|k| order[k * self.len() / most].1 as usize);
         let (points, normals) = taken.map(|i| (self.points[i], self.normals[i])).unzip();
-        Cloud::beside_each_other(points, normals, self.centre, self.scale)
+        let spread = Cloud::beside_each_other(points, normals, self.centre, self.scale)?;
+        Some(Cloud { rounding: self.rounding, ..spread })
     }
 
     /// Where a place lies along G. M. Morton's curve through cells of a spacing.
@@ -100,6 +109,12 @@ impl Cloud {
 
     pub(super) fn len(&self) -> usize {
         self.points.len()
+    }
+
+    /// By how much the numbers of some contacts were rounded, and how many share one rounding.
+    pub(super) fn rounding_among(&self, members: &[u32]) -> Rounding {
+        let of = |values: &[Vector]| members.iter().map(|&i| values[i as usize]).collect::<Vec<Vector>>();
+        self.rounding.among(&of(&self.points), &of(&self.normals))
     }
 
     /// The neighbours of point `i`, nearest first.

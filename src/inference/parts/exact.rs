@@ -8,6 +8,7 @@
 //!     between = sum_c n_c mean_c(d)^2,  within = sum_c sum_i (d_i - mean_c)^2          cells of some 12 neighbouring points
 //! ```
 //!
+//! Neither u is less than what the step of written numbers leaves, of which those that are rounded alike count as one.
 //! Normals of planes through neighbours tell nothing beside the places that they are from: where none were measured, distances are all.
 //!
 //! Points of one cell are near-replicates: whatever the true surface is, it hardly varies within a cell, so that the scatter
@@ -147,6 +148,7 @@ fn tangent_plane(cloud: &Cloud, inner: &[u32], primitive: &Primitive) -> Primiti
 fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, begin: &StartNoise, cells: &Cells) -> Option<Exact> {
     let coarse = &begin.coarse;
     let told = |noise: Noise| if begin.measured { noise } else { Noise { normal: f64::INFINITY, ..noise } };
+    let floor = cloud.rounding_among(inner);
     let mut noise = told(if begin.is_known { scatter_about(cloud, inner, start) } else { *coarse });
     let mut kept = explained(cloud, inner, start, coarse);
     let mut descended = exact(cloud, &kept, start, &noise)?;
@@ -155,15 +157,16 @@ fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, begin: &StartNoise, c
         let next = told(noise_of(cloud, &kept, &descended, &noise));
         let settled = is_settled(&next, &noise);
         noise = next;
-        descended = exact(cloud, &kept, &descended.primitive, &noise)?;
+        descended = exact(cloud, &kept, &descended.primitive, &noise.at_least(&floor))?;
         if settled {
             break;
         }
     }
-    let inner = &kept;
-    let share = share(cloud, inner, &descended, &noise);
-    let (p, departure) = lack_of_fit(cloud, inner, &descended.primitive, share);
-    let fit = Weighted { primitive: &descended.primitive, noise: &noise, tuning: begin.tuning };
+    let (inner, weighed) = (&kept, noise.at_least(&floor));
+    let share = share(cloud, inner, &descended, &weighed);
+    let least = if weighed.distance > noise.distance { weighed.distance.powi(2) } else { 0.0 };
+    let (p, departure) = lack_of_fit(cloud, inner, &descended.primitive, (share, least));
+    let fit = Weighted { primitive: &descended.primitive, noise: &weighed, tuning: begin.tuning };
     let shared = shared(cloud, inner, &descended, &fit, cells);
     Some(Exact { descended, noise, p, departure, shared })
 }
@@ -212,8 +215,8 @@ fn noise_of(cloud: &Cloud, inner: &[u32], descended: &Descended, before: &Noise)
     }
 }
 
-/// The probability of F, and the departure.
-fn lack_of_fit(cloud: &Cloud, inner: &[u32], primitive: &Primitive, share: f64) -> (Option<f64>, f64) {
+/// The probability of F, and the departure. `least` is the variance that contacts which are rounded alike share in any case.
+fn lack_of_fit(cloud: &Cloud, inner: &[u32], primitive: &Primitive, (share, least): (f64, f64)) -> (Option<f64>, f64) {
     let distance = |i: u32| primitive.nearest(cloud.points[i as usize]).0;
     let (mut between, mut within, mut cells, mut points) = (0.0, 0.0, 0.0, 0.0);
     for cell in cells_of(cloud, inner) {
@@ -229,7 +232,7 @@ fn lack_of_fit(cloud: &Cloud, inner: &[u32], primitive: &Primitive, share: f64) 
     if upper < 3.0 || lower < 3.0 {
         return (None, 0.0);
     }
-    let (mean_between, mean_within) = (between / upper, within / lower);
+    let (mean_between, mean_within) = (between / upper, (within / lower).max(least));
     if mean_within.sqrt() <= ROUNDING {
         // no noise at all: whatever is left is rounding, or a misfit that needs no statistics
         let rejected = mean_between.sqrt() > 100.0 * ROUNDING;

@@ -9,18 +9,22 @@
 use super::answer::{class_of, extent, geometry, mean_shape, share_against};
 use super::cloud::Cloud;
 use super::result::{Part, PartUncertainty, Parts};
+use super::segmentation::places;
 use crate::bodies::{self, BodyPosterior, BodySample, Tuning, Verdict};
 use crate::primitives::placed::{PartKind, Primitive};
+use palpate_geometry::contact::{Contacts, Rounding};
 use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm};
 
 /// Draws of the posterior come from this stream.
 const SEED: u64 = 1;
 
 /// One primitive for all contacts; `None` where none is sure. `normals` are those of the file, or empty.
-pub(super) fn one_of_few(points: &[Vector], normals: &[Vector], notes: Vec<String>) -> Option<Parts> {
+pub(super) fn one_of_few(contacts: &Contacts, normals: &[Vector], notes: Vec<String>) -> Option<Parts> {
+    let points = &places(contacts);
     let blank = vec![[0.0, 0.0, 1.0]; points.len()];
     let cloud = Cloud::new(points, if normals.is_empty() { blank } else { normals.to_vec() })?;
-    let sample = BodySample::new(&cloud.points, normals, [0.0; 2])?;
+    let cloud = cloud.rounded(Rounding::of_contacts(contacts));
+    let sample = BodySample::new(&cloud.points, normals, cloud.rounding.largest())?;
     let tuning = Tuning::default();
     let Verdict::One(found) = bodies::infer_primitives(&sample, &tuning) else { return None };
     let kind = found.kind();

@@ -9,6 +9,7 @@
 //! Where an edge or a joint runs through the neighbourhood, the misfit is large: that is how regions know where not to begin.
 
 use super::cloud::{Cloud, LINKED, NEAREST};
+use palpate_geometry::contact::Rounding;
 use palpate_geometry::curvature::{Derivatives, Principal};
 use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
 use palpate_numeric::statistics::{self, Rank};
@@ -38,6 +39,16 @@ impl Noise {
     /// The same where normals tell nothing: those of planes through neighbours say what their places say.
     pub(super) fn blind(&self) -> Noise {
         Noise { normal: f64::INFINITY, ..*self }
+    }
+
+    /// Not less than what written numbers leave. Contacts that lie on a surface to far less than that were not rounded, however round their
+    /// numbers are.
+    pub(super) fn at_least(&self, rounding: &Rounding) -> Noise {
+        const EXACT: f64 = 1e-3;
+        let [distance, normal] = rounding.variances().map(f64::sqrt);
+        let [of_place, of_normal] = rounding.largest().map(|sd| EXACT * sd);
+        let above = |own: f64, exact: f64, least: f64| if own > exact { own.max(least) } else { own };
+        Noise { distance: above(self.distance, of_place, distance), normal: above(self.normal, of_normal, normal) }
     }
 
     /// Not less than one and not more than another; where these contradict, the former.

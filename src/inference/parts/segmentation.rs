@@ -5,7 +5,7 @@
 //! of contacts spread over very many     the same, given to all of them
 //! ```
 
-use palpate_geometry::contact::Contacts;
+use palpate_geometry::contact::{Contacts, Rounding};
 use palpate_geometry::neighbours::{Oriented, oriented};
 use palpate_numeric::vector::{Vector, dot, minus, norm, scaled};
 
@@ -52,7 +52,7 @@ impl Segmentation {
         if estimated && let Some(power) = volume::filled(points, tuning) {
             return Err(PartsError::Volume { power });
         }
-        let cloud = Cloud::new(points, normals).ok_or(PartsError::NoExtent)?;
+        let cloud = Cloud::new(points, normals).ok_or(PartsError::NoExtent)?.rounded(Rounding::of_contacts(contacts));
         let pass = LetPass::new(&cloud, options.tolerance, estimated);
         let all = Surveyed::new(cloud, &pass, tuning);
         let field = all.field(tuning);

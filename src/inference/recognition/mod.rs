@@ -66,7 +66,7 @@ pub use remark::Remark;
 pub use result::{Estimate, MapPoint, Misfit, NoiseFound, Recognition, Tried};
 pub use sequential::{SequentialOptions, SequentialPosterior, TouchUpdate};
 
-use palpate_geometry::contact::{Contacts, Grid};
+use palpate_geometry::contact::{Contacts, Grid, Rounding};
 use palpate_numeric::vector::Vector;
 
 use contacts::{Observations, check_options};
@@ -102,6 +102,17 @@ impl Recognition {
         check_options(options)?;
         let upward = RecognitionOptions { viewpoint: None, up: Some([0.0, 0.0, 1.0]), ..options.clone() };
         recognise_given(Observations::from_grid(grid, options)?, &RequestedPlaces::default(), &upward)
+    }
+
+    /// Of contacts whose numbers were rounded by so much before they were brought to these units.
+    pub(crate) fn of_rounded(
+        contacts: &Contacts,
+        rounding: Rounding,
+        options: &RecognitionOptions,
+    ) -> Result<Recognition, RecognitionError> {
+        check_options(options)?;
+        let given = Observations { rounding, ..Observations::from_contacts(contacts, options)? };
+        recognise_given(given, &RequestedPlaces::default(), options)
     }
 
     /// Of contacts, with S and R averaged over these places of the input instead of the region that contacts support.

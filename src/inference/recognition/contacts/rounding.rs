@@ -21,8 +21,6 @@ const FEWEST_HEIGHTS: [usize; 2] = [4, 7];
 const ARITHMETIC: f64 = 1e-13;
 /// Fits one after the other, until numbers that lie on a polynomial leave rounding alone.
 const ROUNDS: usize = 3;
-/// Square of half a step over the variance of roundings.
-const WORST: f64 = 3.0;
 
 /// Floors of the errors, in units of the patch and in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,12 +75,12 @@ impl Floors {
 
     /// Least variance of an error of place.
     pub(crate) fn of_positions(&self) -> f64 {
-        self.position * self.position / self.averaged[0] * (1.0 + WORST * (self.copies[0] - 1.0))
+        self.position * self.position / self.averaged[0] * Rounding::of_copies(self.copies[0])
     }
 
     /// Least variance of an error of a normal.
     pub(crate) fn of_normals(&self) -> f64 {
-        self.normal * self.normal / self.averaged[1] * (1.0 + WORST * (self.copies[1] - 1.0))
+        self.normal * self.normal / self.averaged[1] * Rounding::of_copies(self.copies[1])
     }
 }
 
