@@ -41,6 +41,9 @@ impl Rounding {
     /// Of numbers that were not rounded.
     pub const NONE: Rounding = Rounding { position: [0.0; 3], normal: 0.0, copies: [1.0; 2] };
 
+    /// Share of a rounding below which what is left of a surface is none: numbers that lie on it were not rounded, however round they are.
+    pub const EXACT: f64 = 1e-3;
+
     /// The same of numbers divided by a length.
     pub fn per(self, length: f64) -> Rounding {
         Rounding { position: self.position.map(|sd| sd / length), ..self }
@@ -52,8 +55,11 @@ impl Rounding {
     }
 
     /// Of some of the contacts, in the same units: what is left along their normals, and the copies among them, of whose heights the
-    /// coordinate tells to which the normals are nearest.
+    /// coordinate tells to which the normals are nearest. Without normals it may be any, and copies are those among all.
     pub fn among(self, points: &[Vector], normals: &[Vector]) -> Rounding {
+        if normals.iter().all(|n| *n == [0.0; 3]) {
+            return Rounding { position: [self.largest()[0]; 3], ..self };
+        }
         let count = normals.len().max(1) as f64;
         let column = |of: &[Vector], k: usize| of.iter().map(|v| v[k]).collect::<Vec<f64>>();
         let along = [0, 1, 2].map(|k| normals.iter().map(|n| n[k] * n[k]).sum::<f64>() / count);
@@ -160,7 +166,8 @@ fn common_step(values: &[f64]) -> Option<f64> {
     if !largest.is_normal() {
         return None;
     }
-    let found = [fixed(values, largest, 10.0), fixed(values, largest, 2.0), digits(values), single(values, largest)];
+    let tens = fixed(values, largest, 10.0);
+    let found = [tens, fixed(values, largest, 2.0), digits(values, tens.unwrap_or(0.0)), single(values, largest)];
     found.into_iter().flatten().reduce(f64::max).or(Some(largest * f64::EPSILON))
 }
 
@@ -186,11 +193,19 @@ fn is_whole(v: f64, base: f64, k: i32) -> bool {
     (ratio - ratio.round()).abs() <= 2.0 * f64::EPSILON * ratio.abs()
 }
 
-/// Root mean square step of numbers that are all written in the same few digits.
-fn digits(values: &[f64]) -> Option<f64> {
+/// Root mean square step of numbers that are all written in the same few digits; `None` where few different numbers show a coarser one than
+/// `fixed`: the 1.0 among normals of one decimal is no number of one digit.
+fn digits(values: &[f64], fixed: f64) -> Option<f64> {
     let exponent = |v: f64| v.abs().log10().floor() as i32;
     let written = |d: i32| values.iter().all(|&v| v == 0.0 || is_whole(v, 10.0, exponent(v) - d + 1));
     let d = (1..=MOST_DIGITS).find(|&d| written(d))?;
+    let is_coarser = |v: &f64| *v != 0.0 && 10.0_f64.powi(exponent(*v) - d + 1) > 1.5 * fixed;
+    let mut coarser: Vec<f64> = values.iter().filter(|v| is_coarser(v)).map(|v| v.abs()).collect();
+    coarser.sort_unstable_by(f64::total_cmp);
+    coarser.dedup();
+    if coarser.len() < FEWEST_NUMBERS {
+        return None;
+    }
     Some(root_mean_square(values, |v| 10.0_f64.powi(exponent(v) - d + 1)))
 }
 
@@ -311,5 +326,16 @@ mod tests {
         assert_eq!(half.copies, [8.0, 8.0]);
         assert!(is(half.variances()[1], 22.0 * half.normal.powi(2)), "{half:?}");
         assert!(is(found.per(2.0).position[2], 0.5 * found.position[2]));
+    }
+
+    /// The 1.00 of an axis has fewer digits than the 0.71 beside it, and is no coarser for that.
+    #[test]
+    fn normals_of_few_decimals_show_the_step_of_all() {
+        for digits in [1, 2, 3] {
+            let unit = 10.0_f64.powi(digits);
+            let turned = (0..90).map(|k| (f64::from(k).to_radians().cos() * unit).round() / unit);
+            let found = step_of_column(&turned.collect::<Vec<f64>>()).unwrap();
+            assert!((found * unit - 1.0).abs() < 1e-9, "{digits}: {found}");
+        }
     }
 }

@@ -32,6 +32,8 @@ pub(crate) struct BodyHypothesis {
     pub(super) process: Option<Arc<DepartureProcess>>,
     /// Sds of distances and normals.
     pub(super) sd: [f64; 2],
+    /// By how much errors that contacts share widen what is drawn.
+    pub(super) shared: f64,
     /// Root mean square of the departure at the contacts.
     pub(super) departure_rms: f64,
     /// Degrees of freedom of the sd.

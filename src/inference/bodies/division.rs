@@ -51,11 +51,12 @@ fn along_a_curve(points: &[Vector]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use palpate_geometry::contact::Rounding;
 
     /// A square of 20 times 20 places.
     fn square() -> BodySample {
         let points: Vec<Vector> = (0..400).map(|i| [f64::from(i % 20), f64::from(i / 20), 0.0]).collect();
-        BodySample::new(&points, &[], [0.0; 2]).unwrap()
+        BodySample::new(&points, &[], Rounding::NONE).unwrap()
     }
 
     #[test]
@@ -77,7 +78,7 @@ mod tests {
     #[test]
     fn the_probabilities_of_all_divisions_are_one() {
         let points: Vec<Vector> = (0..9).map(|i: i32| [f64::from(i * i % 7), f64::from(i), 0.0]).collect();
-        let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+        let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
         let of = |code: usize| (0..9).filter(|i| code >> i & 1 == 1).collect::<Vec<usize>>();
         let sum: f64 = (0..512).map(|code| log_division(&sample, &of(code)).exp()).sum();
         assert!((sum - 1.0).abs() < 1e-12, "{sum}");

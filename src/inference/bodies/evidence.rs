@@ -26,6 +26,7 @@ use super::sample::BodySample;
 use super::tuning::Tuning;
 use crate::dense;
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
+use palpate_geometry::contact::Rounding;
 use palpate_numeric::brent;
 
 /// How far to both sides of the mode's ln v its peak is looked for, how exactly, and values that are asked for at most.
@@ -43,6 +44,8 @@ pub(super) struct LinearisedBase<'a> {
     pub(super) sample: &'a BodySample,
     /// Sds of distances and of normals, roughly.
     pub(super) sd: [f64; 2],
+    /// Sd of a distance that counts for as many contacts as there are, where written numbers were rounded alike.
+    shared_floor: f64,
     /// ln p of what does not depend on the departure.
     constant: f64,
     /// Numbers of rows of distances and of normals.
@@ -101,8 +104,22 @@ impl<'a> LinearisedBase<'a> {
         let rows = [members.len() as f64, 2.0 * normals];
         let (plain, widths) = (base.grams(), widths(&primitive));
         let (steep, [broad, _]) = (tuning.free_steepness, tuning.free_broad);
-        let (sd, departed) = (mode.sd, Vec::new());
-        LinearisedBase { primitive, members, sample, sd, constant, rows, moving, widths, steep, broad, plain, departed }
+        let (sd, shared_floor, departed) = (mode.sd, sample.shared_floor(&members), Vec::new());
+        LinearisedBase {
+            primitive,
+            members,
+            sample,
+            sd,
+            shared_floor,
+            constant,
+            rows,
+            moving,
+            widths,
+            steep,
+            broad,
+            plain,
+            departed,
+        }
     }
 
     /// The same where the contacts left out are false, or belong to another thing.
@@ -256,9 +273,17 @@ impl<'a> LinearisedBase<'a> {
             lower: found.lower,
             process: grams.process.clone(),
             sd: [sd, sd / (0.5 * best).exp()],
+            shared: self.shared(sd),
             departure_rms,
             freedom: self.freedom(),
         })
+    }
+
+    /// By how much more than independent errors of this sd those of written numbers move the unknowns: contacts that are rounded alike count
+    /// as one, unless they lie on the surface to far less than they were rounded by.
+    fn shared(&self, sd: f64) -> f64 {
+        let is_exact = sd <= Rounding::EXACT * self.sample.floor[0];
+        if is_exact { 1.0 } else { (self.shared_floor / sd).max(1.0) }
     }
 
     /// Whether distances are linear over a node's step, so that its evidence is that of a body: where they are not what the equations say

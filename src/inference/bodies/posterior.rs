@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! number of draws of a node ~ its weight, taken in turn at even steps of the cumulated weights
-//! theta = likeliest + s sqrt(nu / chi^2_nu) L^-T z         z gaussian, L the factor of the precision: Student's law of s unknown
+//! theta = likeliest + c s sqrt(nu / chi^2_nu) L^-T z       z gaussian, L the factor of the precision: Student's law of s unknown
+//!                                                          c > 1 where numbers were rounded, and contacts alike
 //! ```
 
 use std::sync::Arc;
@@ -201,7 +202,7 @@ pub(crate) fn draws(posterior: &BodyPosterior, tuning: &Tuning, seed: u64) -> Ve
         for _ in taken..until.min(count) {
             let mut generator = source.generator(found.len() as u64, number as u64);
             let chi = ChiSquared::new(node.freedom).map_or(node.freedom, |law| law.sample(&mut generator));
-            let wide = node.sd[0] * (node.freedom / chi).sqrt();
+            let wide = node.shared * node.sd[0] * (node.freedom / chi).sqrt();
             let mut step: Vec<f64> = (0..node.solution.len()).map(|_| StandardNormal.sample(&mut generator)).collect();
             dense::backward(&node.lower, &mut step);
             step.iter_mut().zip(&node.solution).for_each(|(s, mean)| *s = mean + wide * *s);

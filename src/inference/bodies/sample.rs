@@ -4,7 +4,7 @@
 //! p = (P - mean P) / s,   s^2 = mean |P - mean P|^2
 //! ```
 
-use palpate_geometry::contact::Frame;
+use palpate_geometry::contact::{Frame, Rounding};
 use palpate_numeric::vector::{Vector, dot, minus};
 
 /// Contacts in units of their own size.
@@ -17,15 +17,15 @@ pub(crate) struct BodySample {
     pub(crate) normals: Vec<Vector>,
     /// Sds that numbers with a step leave, of a place and of a normal: no scale is found below them.
     pub(crate) floor: [f64; 2],
+    pub(super) rounding: Rounding,
 }
 
 /// Scales below this share of the contacts' size are those of rounding.
 const ROUNDING: f64 = 1e-12;
 
 impl BodySample {
-    /// `None` where the contacts have no extent. `rounding` is the sd that written numbers leave, of a place in the input's unit and of a
-    /// normal.
-    pub(crate) fn new(points: &[Vector], normals: &[Vector], rounding: [f64; 2]) -> Option<BodySample> {
+    /// `None` where the contacts have no extent. `rounding` is in the input's unit.
+    pub(crate) fn new(points: &[Vector], normals: &[Vector], rounding: Rounding) -> Option<BodySample> {
         let count = points.len() as f64;
         let first = *points.first()?;
         let sum = points.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + (p[k] - first[k])));
@@ -36,10 +36,19 @@ impl BodySample {
             return None;
         }
         let frame = Frame { origin, scale, ..Frame::IDENTITY };
-        let points = points.iter().map(|p| minus(*p, origin).map(|v| v / scale)).collect();
+        let points: Vec<Vector> = points.iter().map(|p| minus(*p, origin).map(|v| v / scale)).collect();
         let far = origin.iter().fold(0.0_f64, |far, v| far.max(v.abs())) / scale;
-        let floor = [(rounding[0] / scale).max(ROUNDING * (1.0 + far)), rounding[1].max(ROUNDING)];
-        Some(BodySample { frame, points, normals: normals.to_vec(), floor })
+        let rounding = rounding.per(scale);
+        // the coordinate along a bar may be as coarse as it likes
+        let [place, normal] = rounding.among(&points, normals).largest();
+        let floor = [place.max(ROUNDING * (1.0 + far)), normal.max(ROUNDING)];
+        Some(BodySample { frame, points, normals: normals.to_vec(), floor, rounding })
+    }
+
+    /// Sd of a place that counts for as many contacts as there are: those that are rounded alike err alike.
+    pub(super) fn shared_floor(&self, members: &[usize]) -> f64 {
+        let some = self.only(members);
+        self.rounding.among(&some.points, &some.normals).variances()[0].sqrt()
     }
 
     pub(crate) fn len(&self) -> usize {

@@ -12,6 +12,7 @@ use super::sample::BodySample;
 use super::tests::gaussian;
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
+use palpate_geometry::contact::Rounding;
 use palpate_numeric::draws::Lcg;
 use palpate_numeric::vector::{Vector, along, axes_along, cross, dot, norm, unit};
 
@@ -38,7 +39,7 @@ fn touched_vase(count: usize, generator: &mut Lcg) -> BodySample {
         let rho = vase(h)[0] + 0.005 * gaussian(generator);
         placed([rho * cos, rho * sin, h])
     };
-    BodySample::new(&(0..count).map(one).collect::<Vec<Vector>>(), &[], [0.0; 2]).unwrap()
+    BodySample::new(&(0..count).map(one).collect::<Vec<Vector>>(), &[], Rounding::NONE).unwrap()
 }
 
 /// A cloud that fills a ball or a box and lies on no surface.
@@ -47,7 +48,7 @@ fn filling(count: usize, is_box: bool, generator: &mut Lcg) -> BodySample {
         let draw = |generator: &mut Lcg| if is_box { 2.0 * generator.uniform() - 1.0 } else { gaussian(generator) };
         [draw(generator), draw(generator), draw(generator)]
     };
-    BodySample::new(&(0..count).map(one).collect::<Vec<Vector>>(), &[], [0.0; 2]).unwrap()
+    BodySample::new(&(0..count).map(one).collect::<Vec<Vector>>(), &[], Rounding::NONE).unwrap()
 }
 
 /// An ellipse of half axes 2 and 1.2 drawn along a line, with normals.
@@ -62,7 +63,7 @@ fn touched_tube(count: usize, generator: &mut Lcg) -> BodySample {
         (along(place, 0.004 * gaussian(generator), normal), unit(along(normal, 1.0, off)))
     };
     let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..count).map(one).unzip();
-    BodySample::new(&points, &normals, [0.0; 2]).unwrap()
+    BodySample::new(&points, &normals, Rounding::NONE).unwrap()
 }
 
 #[test]
@@ -196,7 +197,7 @@ fn a_ring_whose_section_departs_bends_as_that_section_does() {
         at(turn, tube)
     };
     let contacts: Vec<Vector> = (0..300).map(touched).collect();
-    let sample = BodySample::new(&contacts, &[], [0.0; 2]).unwrap();
+    let sample = BodySample::new(&contacts, &[], Rounding::NONE).unwrap();
     let scale = sample.frame.scale;
     let origin = sample.frame.to_patch(placed([0.0; 3]));
     let sizes = [1.0 / scale, 0.42 / scale, 0.0];
@@ -300,7 +301,7 @@ fn places_of_a_bottle(seed: u64) -> (usize, usize) {
             ));
         }
     }
-    let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
+    let sample = BodySample::new(&points, &normals, Rounding::NONE).unwrap();
     let posterior = free_surface(&sample, &tuning).unwrap();
     let kind = posterior.kind();
     let surface = DrawnBase::likeliest(posterior.likeliest(kind).unwrap(), posterior.best_of(kind).unwrap());

@@ -10,6 +10,7 @@ use super::sample::BodySample;
 use super::search::modes;
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
+use palpate_geometry::contact::Rounding;
 use palpate_numeric::draws::Lcg;
 use palpate_numeric::vector::{Vector, along, axes_along, unit};
 use statrs::function::gamma::ln_gamma;
@@ -88,7 +89,7 @@ fn evidence_is_that_of_integration() {
         let truth = body(kind, &mut generator);
         let count = 16 + 4 * (case % 5);
         let (points, _) = touched(&truth, count, 6.0, 0.01, &mut generator);
-        let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+        let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
         let found = modes(&sample, &tuning);
         let mode = found.iter().find(|m| m.primitive.kind == kind && m.strays == FalseContacts::None).unwrap();
         let linearised = LinearisedBase::new(mode, &sample, &tuning);
@@ -105,7 +106,7 @@ fn a_primitive_away_from_its_contacts_has_no_evidence() {
     let mut generator = Lcg::new(12);
     let ball = Primitive { sizes: [1.0, 0.0, 0.0], ..body(PartKind::Sphere, &mut generator) };
     let (points, _) = touched(&ball, 40, 6.0, 0.01, &mut generator);
-    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
     let found = modes(&sample, &tuning);
     let near = found.iter().find(|m| m.primitive.kind == PartKind::Sphere && m.strays == FalseContacts::None).unwrap();
     assert!(LinearisedBase::new(near, &sample, &tuning).without_departure(&tuning).is_some());
@@ -125,7 +126,7 @@ fn the_truth_is_a_draw_of_the_posterior() {
         for number in 0..BODIES {
             let truth = body(kind, &mut generator);
             let (points, _) = touched(&truth, 20, 4.0, 0.02, &mut generator);
-            let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+            let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
             let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("{kind:?} {number}: no answer") };
             let found = draws(&posterior, &tuning, number as u64);
             let own: Vec<f64> = found
@@ -151,7 +152,7 @@ fn a_third_of_false_contacts_moves_a_ball_by_no_more_than_noise() {
     let truth = body(PartKind::Sphere, &mut generator);
     let (mut points, _) = touched(&truth, 60, 6.0, 0.01, &mut generator);
     points.extend((0..30).map(|_| [0, 1, 2].map(|k| truth.origin[k] + 4.0 * (generator.uniform() - 0.5))));
-    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
     let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("no answer") };
     assert_eq!(posterior.kind(), PartKind::Sphere);
     let members = posterior.members_of(PartKind::Sphere);
@@ -173,7 +174,7 @@ fn two_walls_about_one_axis_are_two_things() {
     let inner = Primitive { sizes: [0.9, 0.0, 0.0], ..outer };
     let (mut points, _) = touched(&outer, 150, 6.0, 0.003, &mut generator);
     points.extend(touched(&inner, 150, 6.0, 0.003, &mut generator).0);
-    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
     let Verdict::Several(things) = infer(&sample, &tuning) else { panic!("one thing, or none") };
     let mut radii: Vec<f64> = things.iter().map(|thing| thing.primitive.sizes[0] * sample.frame.scale).collect();
     radii.sort_by(f64::total_cmp);
@@ -204,7 +205,7 @@ fn a_cube_is_six_planes() {
     let mut generator = Lcg::new(41);
     for _ in 0..3 {
         let (points, normals) = cube(300, 0.0, &mut generator);
-        let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
+        let sample = BodySample::new(&points, &normals, Rounding::NONE).unwrap();
         let Verdict::Several(things) = infer(&sample, &tuning) else { panic!("one thing, or none") };
         assert!(things.iter().all(|thing| thing.primitive.kind == PartKind::Plane), "{things:?}");
         assert_eq!(things.len(), 6);
@@ -218,7 +219,7 @@ fn a_cube_of_faces_that_bulge_is_several_things() {
     let mut generator = Lcg::new(42);
     for count in [150, 400] {
         let (points, normals) = cube(count, 0.03, &mut generator);
-        let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
+        let sample = BodySample::new(&points, &normals, Rounding::NONE).unwrap();
         assert!(matches!(infer(&sample, &tuning), Verdict::Several(_)), "{count}");
     }
 }
@@ -235,7 +236,7 @@ fn a_pear_is_a_free_surface_and_lies_where_it_is() {
         let r = radius(direction) + 0.002 * gaussian(&mut generator);
         points.push(direction.map(|v| r * v));
     }
-    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
     let posterior = free_surface(&sample, &tuning).expect("a free surface");
     let drawn = draws(&posterior, &tuning, 1);
     let mut square = 0.0;
@@ -263,7 +264,7 @@ fn one_side_of_a_pear_is_no_closed_surface() {
             points.push(direction.map(|v| radius(direction) * v));
         }
     }
-    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
     let posterior = free_surface(&sample, &tuning).expect("a free surface");
     assert!(!posterior.closes(&sample, &tuning));
 }
@@ -288,7 +289,7 @@ fn a_capsule_is_a_bar_and_two_balls_and_a_wave_is_one_thing() {
     let tuning = Tuning::default();
     let mut generator = Lcg::new(45);
     let points = capsule(160, 0.004, &mut generator);
-    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
     let Verdict::Several(things) = infer(&sample, &tuning) else { panic!("one thing") };
     let of_kind = |kind: PartKind| things.iter().filter(move |thing| thing.primitive.kind == kind);
     assert_eq!((of_kind(PartKind::Cylinder).count(), of_kind(PartKind::Sphere).count(), things.len()), (1, 2, 3));
@@ -300,7 +301,7 @@ fn a_capsule_is_a_bar_and_two_balls_and_a_wave_is_one_thing() {
         [x, y, 0.2 * (3.0 * x).sin() + 0.003 * gaussian(&mut generator)]
     };
     let points: Vec<Vector> = (0..200).map(|_| wave()).collect();
-    let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+    let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
     assert!(!matches!(infer(&sample, &tuning), Verdict::Several(_)));
 }
 
@@ -314,7 +315,7 @@ fn the_order_of_contacts_and_the_unit_of_length_change_no_kind() {
         let scaled: Vec<Vector> = points.iter().rev().map(|p| p.map(|v| 1e3 * v)).collect();
         let reversed: Vec<Vector> = normals.iter().rev().copied().collect();
         for (points, normals) in [(points, normals), (scaled, reversed)] {
-            let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
+            let sample = BodySample::new(&points, &normals, Rounding::NONE).unwrap();
             let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("{kind:?}: no answer") };
             assert_eq!(posterior.kind(), kind);
             assert!(posterior.weight_of(kind) > 0.9, "{kind:?}: {}", posterior.weight_of(kind));
@@ -331,7 +332,7 @@ fn a_departure_is_no_larger_than_what_the_primitive_leaves() {
         let truth = body(kind, &mut generator);
         let (mut points, _) = touched(&truth, 120, 1.6, 0.02, &mut generator);
         points.iter_mut().for_each(|p| p[2] += 0.03 * (2.0 * p[0]).sin());
-        let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+        let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
         let found = modes(&sample, &tuning);
         let mode = found.iter().find(|m| m.primitive.kind == kind && m.strays == FalseContacts::None).unwrap();
         let left: f64 =
@@ -354,7 +355,7 @@ fn a_part_of_a_pipe_that_departs_is_a_pipe_or_a_cone() {
         points.iter_mut().for_each(|p| p[2] += 0.015 * (3.0 * p[0]).sin());
         let off = |generator: &mut Lcg| 0.3 * gaussian(generator);
         (0..20).for_each(|i| points[10 * i] = points[10 * i].map(|v| v + off(&mut generator)));
-        let sample = BodySample::new(&points, &[], [0.0; 2]).unwrap();
+        let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
         let Verdict::One(posterior) = infer(&sample, &tuning) else { panic!("{number}: no answer") };
         let straight = posterior.weight_of(PartKind::Cylinder) + posterior.weight_of(PartKind::Cone);
         assert!(straight > 0.9, "{number}: {straight}");
@@ -378,7 +379,7 @@ fn normals_tell_shape_from_an_error_that_neighbours_share() {
             (from.map(|v| v * (2.0 + height + 0.004 * gaussian(&mut generator))), unit(along(normal, 1.0, off)))
         };
         let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..80).map(one).unzip();
-        let sample = BodySample::new(&points, &normals, [0.0; 2]).unwrap();
+        let sample = BodySample::new(&points, &normals, Rounding::NONE).unwrap();
         let (Verdict::One(found) | Verdict::Free { one: Some(found), .. }) = infer(&sample, &tuning) else {
             panic!("{follow}")
         };

@@ -24,7 +24,7 @@ pub(super) fn one_of_few(contacts: &Contacts, normals: &[Vector], notes: Vec<Str
     let blank = vec![[0.0, 0.0, 1.0]; points.len()];
     let cloud = Cloud::new(points, if normals.is_empty() { blank } else { normals.to_vec() })?;
     let cloud = cloud.rounded(Rounding::of_contacts(contacts));
-    let sample = BodySample::new(&cloud.points, normals, cloud.rounding.largest())?;
+    let sample = BodySample::new(&cloud.points, normals, cloud.rounding)?;
     let tuning = Tuning::default();
     let Verdict::One(found) = bodies::infer_primitives(&sample, &tuning) else { return None };
     let kind = found.kind();

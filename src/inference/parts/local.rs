@@ -44,9 +44,8 @@ impl Noise {
     /// Not less than what written numbers leave. Contacts that lie on a surface to far less than that were not rounded, however round their
     /// numbers are.
     pub(super) fn at_least(&self, rounding: &Rounding) -> Noise {
-        const EXACT: f64 = 1e-3;
         let [distance, normal] = rounding.variances().map(f64::sqrt);
-        let [of_place, of_normal] = rounding.largest().map(|sd| EXACT * sd);
+        let [of_place, of_normal] = rounding.largest().map(|sd| Rounding::EXACT * sd);
         let above = |own: f64, exact: f64, least: f64| if own > exact { own.max(least) } else { own };
         Noise { distance: above(self.distance, of_place, distance), normal: above(self.normal, of_normal, normal) }
     }

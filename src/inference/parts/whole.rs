@@ -101,7 +101,7 @@ impl Partition {
 /// normals are, and `noise` what neighbourhoods show, with what is let pass.
 pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Partition> {
     let normals: &[Vector] = if measured { &cloud.normals } else { &[] };
-    let sample = BodySample::new(&cloud.points, normals, cloud.rounding.largest())?;
+    let sample = BodySample::new(&cloud.points, normals, cloud.rounding)?;
     // normals of a scan are computed from its places
     let tuning = Tuning { own_normals: 0.0, ..Tuning::default() };
     let mut things: Vec<Thing> = match bodies::infer_primitives(&sample.at_most(LOOKED_AT), &tuning) {

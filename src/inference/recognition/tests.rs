@@ -410,3 +410,29 @@ fn waves_are_drawn_along_a_line() {
     let supported: Vec<f64> = found.map.iter().filter(|p| p.supported).filter_map(|p| p.shape_index).collect();
     assert!(supported.len() > 20 && supported.iter().all(|s| (s.abs() - 0.5).abs() < 1e-6), "{supported:?}");
 }
+
+/// Whether the radius of a whole bar along z lies in its interval, touched at so many even places round it in twelve rows.
+fn holds_rounded_bar(radius: f64, places: u32, decimals: i32) -> bool {
+    let unit = 10.0_f64.powi(decimals);
+    let rounded = |v: f64| (v * unit).round() / unit;
+    let contact = |k: u32| {
+        let (s, c) = (std::f64::consts::TAU * f64::from(k % places) / f64::from(places)).sin_cos();
+        let place = [radius * c, radius * s, radius * (0.1 + 0.2 * f64::from(k / places))];
+        (place.map(rounded), [c, s, 0.0].map(rounded))
+    };
+    let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..12 * places).map(contact).unzip();
+    let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+    let found = Recognition::of(&contacts, &RecognitionOptions::default()).unwrap();
+    assert_eq!((found.hypothesis, found.class), (Hypothesis::Cylinder, ShapeClass::Ridge));
+    let [lo, hi] = found.radius_interval.unwrap();
+    assert!(hi - lo < 2.0 / unit, "{radius} {places} {decimals}: {lo} to {hi}");
+    lo < radius && radius < hi
+}
+
+/// The twelve rows of every place round a bar hold the same roundings, and so does its mirror image.
+#[test]
+fn rounded_rows_round_a_body_leave_its_radius_open() {
+    let cases = [6.0, 12.5, 20.0].into_iter().flat_map(|r| [13, 16, 20].map(|n| (r, n)));
+    let held = cases.flat_map(|(r, n)| [1, 2, 3].map(|d| holds_rounded_bar(r, n, d))).filter(|held| *held).count();
+    assert!(held >= 25, "{held} of 27");
+}

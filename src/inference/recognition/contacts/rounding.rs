@@ -13,8 +13,6 @@ use palpate_numeric::vector::{Vector, minus, scaled};
 
 use super::height_polynomial::left_by_polynomial;
 
-/// Share of a rounding below which what is left of a quadric is none.
-const NOTHING: f64 = 1e-3;
 /// Different heights that a plane, and a quadric, need to leave something of.
 const FEWEST_HEIGHTS: [usize; 2] = [4, 7];
 /// Floors below this, in units of the patch, are below what the arithmetic holds.
@@ -89,7 +87,7 @@ fn is_exact(points: &[Vector], rounding: f64) -> bool {
     let mut heights: Vec<f64> = points.iter().map(|p| p[2]).collect();
     heights.sort_unstable_by(f64::total_cmp);
     let different = heights.chunk_by(|a, b| b - a < 0.5 * rounding).count();
-    let limit = (NOTHING * rounding).max(ARITHMETIC);
+    let limit = (Rounding::EXACT * rounding).max(ARITHMETIC);
     [(3, FEWEST_HEIGHTS[0]), (6, FEWEST_HEIGHTS[1])].into_iter().any(|(terms, fewest)| {
         // a plane along its own axes has one height
         let has_rest = different >= fewest || (different == 1 && points.len() >= fewest);

@@ -63,8 +63,7 @@ pub(super) fn instead(
         return patch;
     }
     let normals = given.normals.as_deref().unwrap_or_default();
-    // a body has normals in all directions, the coarsest coordinate's among them
-    let Some(sample) = BodySample::new(&given.points, normals, given.rounding.largest()) else { return patch };
+    let Some(sample) = BodySample::new(&given.points, normals, given.rounding) else { return patch };
     let question = answer::BodyQuestion { sample: &sample, given, options, touches };
     match bodies::infer(&sample, &options.tuning) {
         Verdict::Several(things) => match patch {

@@ -32,6 +32,7 @@ pub(super) fn are_alike(sample: &BodySample, sd: f64, tuning: &Tuning) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use palpate_geometry::contact::Rounding;
     use palpate_numeric::draws::Lcg;
     use palpate_numeric::vector::{Vector, unit};
 
@@ -43,7 +44,7 @@ mod tests {
                 ([generator.uniform(), generator.uniform(), 0.01 * (k % 2) as f64], normal)
             })
             .unzip();
-        BodySample::new(&points, &normals, [0.0; 2]).unwrap()
+        BodySample::new(&points, &normals, Rounding::NONE).unwrap()
     }
 
     #[test]
