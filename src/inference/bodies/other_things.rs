@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! first    a primitive with the contacts that are its own; what it leaves out would be false
-//! second   a primitive of the contacts left out
+//! second   a primitive of the contacts left out: the likeliest, or in a division of its own the one nearest to its contacts
 //! ln p(two things) = ln p(first, others false) - ln p(others false) + ln p(second of the others)
 //! ```
 //!
@@ -68,9 +68,17 @@ struct Division {
     of_all: f64,
 }
 
+/// How the next thing is found in what others leave out.
+type NextThing = fn(BodySample, &Tuning) -> Option<(f64, FoundThing)>;
+
 impl Division {
     /// Two things, and further ones in what both leave out.
-    fn beginning_with(first: &Mode, of_first: f64, sample: &BodySample, tuning: &Tuning) -> Option<Division> {
+    fn beginning_with(
+        (of_first, first): (f64, &Mode),
+        next_thing: NextThing,
+        sample: &BodySample,
+        tuning: &Tuning,
+    ) -> Option<Division> {
         let first = FoundThing { mode: first.clone(), among: sample.clone() };
         let (gain, second) = next_thing(first.left(), tuning)?;
         let of_two = of_first + gain;
@@ -121,7 +129,11 @@ fn likeliest_division(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> O
     let sheets: Vec<Mode> = sheets.into_iter().flatten().collect();
     let few = minorities(sample, tuning);
     let firsts = first_things(known.iter().chain(&sheets).chain(&few), sample, tuning);
-    let divided = threads::map(firsts.len(), 1, |k| Division::beginning_with(firsts[k].1, firsts[k].0, sample, tuning));
+    let mut begun: Vec<((f64, &Mode), NextThing)> =
+        firsts.iter().map(|first| (*first, likeliest_thing as NextThing)).collect();
+    let nearest = firsts.iter().min_by(|a, b| a.1.sd[0].total_cmp(&b.1.sd[0]));
+    begun.extend(nearest.map(|first| (*first, nearest_thing as NextThing)));
+    let divided = threads::map(begun.len(), 1, |k| Division::beginning_with(begun[k].0, begun[k].1, sample, tuning));
     let log = |found: &Division| found.log_evidence(tuning);
     let divided: Vec<Division> = divided.into_iter().flatten().collect();
     let most = divided.iter().map(log).fold(f64::NEG_INFINITY, f64::max);
@@ -193,7 +205,7 @@ fn leaves_enough(sample: &BodySample, first: &Mode, tuning: &Tuning) -> bool {
 
 /// The likeliest primitive of contacts that belong to nothing yet, after its log evidence less that of all being false; `None` where none
 /// holds enough of them.
-fn next_thing(among: BodySample, tuning: &Tuning) -> Option<(f64, FoundThing)> {
+fn likeliest_thing(among: BodySample, tuning: &Tuning) -> Option<(f64, FoundThing)> {
     let rest = &among;
     if !may_hold_a_thing(rest, tuning) {
         return None;
@@ -220,6 +232,21 @@ fn next_thing(among: BodySample, tuning: &Tuning) -> Option<(f64, FoundThing)> {
         (gain, chosen) = (of_simple, simple);
     }
     let mode = chosen.clone();
+    Some((gain, FoundThing { mode, among }))
+}
+
+/// Of the primitives that are clearly likelier than chance those that lie nearest to their own contacts, and the likeliest of these: the four
+/// faces about a box's axis are followed by a bar, which holds more contacts than any face and gains more than the next two.
+fn nearest_thing(among: BodySample, tuning: &Tuning) -> Option<(f64, FoundThing)> {
+    if !may_hold_a_thing(&among, tuning) {
+        return None;
+    }
+    let found = all_modes(&among, tuning);
+    let rated: Vec<(f64, &Mode)> =
+        with_gains(&found, &among, tuning).into_iter().filter(|(gain, _)| *gain > tuning.clearly).collect();
+    let scatter = rated.iter().map(|(_, m)| m.sd[0]).fold(f64::INFINITY, f64::min);
+    let near = rated.into_iter().filter(|(_, m)| tuning.sharper * m.sd[0] <= scatter);
+    let (gain, mode) = near.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(gain, m)| (gain, m.clone()))?;
     Some((gain, FoundThing { mode, among }))
 }
 
