@@ -168,6 +168,29 @@ fn a_window_forgets() {
     assert_eq!((&last["shape"], &last["contacts"], &last["touch"]), (&own["shape"], &14.into(), &44.into()));
 }
 
+/// What several things are stays as it was told until the touches have grown by the whole of --refresh: a look at them takes longest.
+#[test]
+fn several_things_are_looked_at_as_often_as_one() {
+    let touch = |k: usize| {
+        let at = |by: f64| (k as f64 * by).fract() * 20.0 - 10.0;
+        let side = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let (mut place, mut normal) = ([at(0.754_877_666), at(0.569_840_291), at(0.438_579)], [0.0; 3]);
+        (place[k % 3], normal[k % 3]) = (side * (10.0 + 0.03 * (k as f64 * 2.3).sin()), side);
+        let line: Vec<String> = place.iter().chain(&normal).map(f64::to_string).collect();
+        line.join(",") + "\n"
+    };
+    let text = format!("x,y,z,nx,ny,nz\n{}", (0..90).map(touch).collect::<String>());
+    let folder = tempfile::tempdir().unwrap();
+    let output = palpate(folder.path(), "live - --json", text.as_bytes());
+    let text = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let (last, told) = (lines.last().unwrap(), lines.iter().rfind(|line| line.get("answer").is_some()).unwrap());
+    assert!(told["why"].as_str().is_some_and(|why| why.contains("several things")), "{told}");
+    // a quarter more each, and once at the end
+    let of_many = lines.iter().filter(|line| line["touch"].as_u64() > Some(50) && line["touch"] == line["made_at"]);
+    assert!(of_many.count() <= 4 && last["touches"] == 90, "{last}");
+}
+
 /// A run that was cut in two answers as one run, whether its second half has names of its own or none.
 #[test]
 fn a_state_is_taken_up_again() {

@@ -23,7 +23,8 @@ use palpate_inference::recognition::{SequentialOptions, SequentialPosterior, Tou
 
 use super::next::{NextTouch, TouchReach, next_touch};
 
-/// Share of that growth for an answer that touches do not move, and which grows older with each: 0.05 of the touches by default.
+/// Share of that growth for an answer that touches do not move, and which grows older with each: 0.05 of the touches by default. Several
+/// things have no answer that would.
 const UNMOVED: f64 = 0.2;
 
 /// Two axes, and maps over them by their names.
@@ -46,6 +47,8 @@ pub(in crate::cli) struct LiveLook {
     found: Option<Found>,
     /// How touches move it, where it is a simple shape.
     posterior: Option<SequentialPosterior>,
+    /// The touches are several things.
+    is_several: bool,
     took: Duration,
 }
 
@@ -58,7 +61,9 @@ impl LiveLook {
             Question { flags: &flags, adaptive: &adaptive, base: FitOptions::default(), bare: false, viewpoint };
         let count = contacts.len();
         let input = Input::Contacts(contacts);
-        let found = answer(&input, &question).map_err(Refusal::words);
+        let found = answer(&input, &question);
+        let is_several = matches!(&found, Err(Refusal::Several(_)));
+        let found = found.map_err(Refusal::words);
         let took = clock.elapsed();
         let document = found.as_ref().map_err(Clone::clone).and_then(|found| document(found, &input, took));
         let next = match &input {
@@ -67,7 +72,7 @@ impl LiveLook {
         };
         let found = found.ok();
         let posterior = found.as_ref().and_then(posterior);
-        LiveLook { contacts: count, touches, moved: 0, document, next, input, found, posterior, took }
+        LiveLook { contacts: count, touches, moved: 0, document, next, input, found, posterior, is_several, took }
     }
 
     /// One touch more, which is moved into the answer where it can be; `false` calls for a look at all touches.
@@ -114,7 +119,7 @@ impl LiveLook {
 
     /// Whether so many touches more call for another look, if a look at a simple shape is due after this share of them.
     pub(super) fn is_outgrown(&self, touches: u64, share: f64) -> bool {
-        let share = if self.posterior.is_some() { share } else { UNMOVED * share };
+        let share = if self.posterior.is_some() || self.is_several { share } else { UNMOVED * share };
         let looked_at = self.contacts as f64 - self.moved as f64;
         (touches - self.touches) as f64 > share * looked_at
     }

@@ -67,7 +67,7 @@ pub(super) struct LiveArgs {
     /// Look at all touches again when they have grown by this share, and whenever one disagrees; 0: after every touch
     ///
     /// Between two looks each touch moves the answer of the last one. Where that is no simple shape it stands, and a fifth of this share
-    /// calls for a look
+    /// calls for a look, unless the touches are several things
     #[arg(long, value_name = "SHARE", default_value_t = 0.25, value_parser = share, allow_hyphen_values = true)]
     refresh: f64,
     /// Where touches may be made next; default: the rectangle of the touches so far, or of a scene's first sweep
