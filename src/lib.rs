@@ -23,10 +23,10 @@
 //! ```
 //!
 //! What a user meets: [`Contacts`] or a [`Grid`] go with [`FitOptions`] into [`fit_contacts`] or [`fit_grid`], and a [`Fit`]
-//! comes back. [`recognition`] finds the kind of surface where no model is named, [`parametric`] fits surfaces that no
-//! height field can hold, [`plans`] repeats a fit without allocation, [`scene`] simulates contacts and [`montecarlo`]
-//! repeats a fit for noise; [`spline`] and [`geometry`] are the words they share. `tests/house/public_names.txt` lists
-//! every public name.
+//! comes back. [`recognition`] finds the kind of surface where no model is named, and moves its answer with each touch
+//! more, [`parametric`] fits surfaces that no height field can hold, [`plans`] repeats a fit without allocation,
+//! [`scene`] simulates contacts and [`montecarlo`] repeats a fit for noise; [`spline`] and [`geometry`] are the words
+//! they share. `tests/house/public_names.txt` lists every public name.
 //!
 //! # Features
 //!
@@ -105,12 +105,13 @@ pub mod plans {
 
 /// Which kind of surface contacts show when no model is named, with S, R and their intervals.
 pub mod recognition {
-    #[doc(hidden)]
-    pub use palpate_inference::recognition::Remark;
     pub use palpate_inference::recognition::{
-        Estimate, Hypothesis, MapPoint, Misfit, NoiseFound, NormalsUse, RecognisedSpline, Recognition,
-        RecognitionError, RecognitionOptions, Tried, Tuning,
+        Estimate, Hypothesis, MapPoint, NoiseFound, NormalsUse, RecognisedSpline, Recognition, RecognitionError,
+        RecognitionOptions, SequentialPosterior, Tried, Tuning,
     };
+    // what is read where it stands, or a setting of which a user of the defaults needs no name
+    #[doc(hidden)]
+    pub use palpate_inference::recognition::{Misfit, Remark, SequentialOptions, TouchUpdate};
 }
 
 /// The simulated world: bodies, sweeping fingers, the effects that a scene calls for, and the truth.

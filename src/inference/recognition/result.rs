@@ -212,7 +212,8 @@ pub struct Recognition {
     pub noise: NoiseFound,
     /// All hypotheses with their weights, likeliest first.
     pub tried: Vec<Tried>,
-    /// Whether the residuals still hold a pattern.
+    /// Whether the residuals still hold a pattern: correlation of neighbours, its probability among independent ones, percent of the relief,
+    /// one sentence of `words`.
     pub misfit: Misfit,
     /// Number of independent contacts that would tell the mean height as well as these do.
     pub effective_contacts: f64,

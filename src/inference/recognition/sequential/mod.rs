@@ -59,7 +59,41 @@ pub enum TouchUpdate {
     Outgrown,
 }
 
-/// Touches that came after a recognition.
+impl TouchUpdate {
+    /// Whether the answer has moved.
+    pub fn is_moved(self) -> bool {
+        self == TouchUpdate::Moved
+    }
+}
+
+/// Touches that came after a recognition, each of which moves its answer in some ten microseconds.
+///
+/// ```
+/// # use palpate_geometry::contact::Contacts;
+/// # use palpate_inference::recognition::{Recognition, RecognitionError, RecognitionOptions, SequentialPosterior};
+/// // a ball of radius 2, touched where the robot happens to be
+/// let touch = |k: u32| {
+///     let (turn, height) = (2.4 * f64::from(k), 1.0 - f64::from(k % 20) / 25.0);
+///     let across = (1.0 - height * height).sqrt();
+///     let error = 0.002 * f64::from(k % 7) - 0.006;
+///     [across * turn.cos(), across * turn.sin(), height].map(|v| (2.0 + error) * v)
+/// };
+/// let mut touches: Vec<[f64; 3]> = (0..30).map(touch).collect();
+/// let recognised = |touches: &[[f64; 3]]| Recognition::of(&Contacts::from_points(touches), &RecognitionOptions::default());
+/// let mut found = recognised(&touches)?;
+/// let mut posterior = SequentialPosterior::after(&found);
+/// for k in 30..40 {
+///     touches.push(touch(k));
+///     if !posterior.update(&mut found, touch(k), None).is_moved() {
+///         found = recognised(&touches)?;
+///         posterior = SequentialPosterior::after(&found);
+///     }
+/// }
+/// assert_eq!(found.contacts, 40);
+/// let [least, most] = found.radius_interval.expect("a ball has a radius");
+/// assert!(least < 2.0 && 2.0 < most && most - least < 0.02);
+/// # Ok::<(), RecognitionError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SequentialPosterior {
     options: SequentialOptions,
@@ -69,6 +103,11 @@ pub struct SequentialPosterior {
 }
 
 impl SequentialPosterior {
+    /// After this recognition, before any touch, with the settings that are right for most.
+    pub fn after(found: &Recognition) -> SequentialPosterior {
+        SequentialPosterior::of(found, SequentialOptions::default())
+    }
+
     /// After this recognition, before any touch.
     pub fn of(found: &Recognition, options: SequentialOptions) -> SequentialPosterior {
         let ensemble = DrawnEnsemble::of(found);

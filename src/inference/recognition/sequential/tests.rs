@@ -34,7 +34,7 @@ fn recognised(touches: &[Vector]) -> Recognition {
 }
 
 fn posterior(found: &Recognition) -> SequentialPosterior {
-    SequentialPosterior::of(found, SequentialOptions::default())
+    SequentialPosterior::after(found)
 }
 
 /// Means of R at the recognition, as touches move it, and of all touches at once, with the last one's uncertainty; `None` where a touch
