@@ -168,6 +168,21 @@ fn a_window_forgets() {
     assert_eq!((&last["shape"], &last["contacts"], &last["touch"]), (&own["shape"], &14.into(), &44.into()));
 }
 
+/// Of a file of something else five lines are told, not a million; one touch, and the next fault is told again.
+#[test]
+fn lines_that_are_no_touch_are_told_a_few_times_in_a_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let other: String = (0..1000).map(|k| format!("{k},2\n")).collect();
+    let output = palpate(folder.path(), "live -", format!("time,force\n{other}").as_bytes());
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert!(errors.lines().count() == 6 && errors.contains("nothing more is said"), "{errors}");
+    assert!(errors.contains("1001 lines left out"), "{errors}");
+    let faults = "a,b\n".repeat(7);
+    let (found, errors) = answers(folder.path(), "live - --json", &format!("{}{faults}{}a,b\n", table(0..9), touch(9)));
+    let told = errors.lines().filter(|line| line.contains("no touch")).count();
+    assert_eq!((&found.last().unwrap()["touch"], told), (&10.into(), 6), "{errors}");
+}
+
 /// What several things are stays as it was told until the touches have grown by the whole of --refresh: a look at them takes longest.
 #[test]
 fn several_things_are_looked_at_as_often_as_one() {

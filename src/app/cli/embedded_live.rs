@@ -76,7 +76,7 @@ impl LiveLoop {
     pub fn touch(&mut self, touch: &Contacts, time: Option<f64>) -> Result<LiveReply, String> {
         let clock = Instant::now();
         let place = format!("{LINES}, touch {}", self.session.touches() + 1);
-        let said = self.hearing.is_late(&place, time);
+        let said = self.hearing.hear_contact(&place, time);
         Ok(LiveReply { said, answer: Some(self.answered(touch, clock)?) })
     }
 

@@ -1,6 +1,8 @@
 //! What lines come to: touches, and words about lines that are none, about a sensor that was started anew and about touches that
 //! come late.
 
+use std::cmp::Ordering;
+
 use palpate_geometry::contact::Contacts;
 
 use crate::io::{ColumnNames, LineHeard, TouchLines};
@@ -24,7 +26,12 @@ pub(in crate::cli) struct TouchHearing {
     time: Option<f64>,
     /// Lines that were no touch.
     left_out: u64,
+    /// Lines in a row of which something was to be said.
+    in_a_row: u64,
 }
+
+/// Lines in a row of which something is said: of a million without a place people read none.
+const TOLD_IN_A_ROW: u64 = 5;
 
 impl TouchHearing {
     /// Of lines by their name; it goes on by the names of columns and the time of an earlier run.
@@ -33,7 +40,7 @@ impl TouchHearing {
         if let Some(header) = before.and_then(|before| before.header.as_ref()) {
             reader.inherit(header);
         }
-        TouchHearing { reader, time: before.and_then(|before| before.time), left_out: 0 }
+        TouchHearing { reader, time: before.and_then(|before| before.time), left_out: 0, in_a_row: 0 }
     }
 
     /// The name for messages.
@@ -53,8 +60,8 @@ impl TouchHearing {
 
     /// The next line, without its end.
     pub(in crate::cli) fn hear(&mut self, line: &[u8]) -> TouchHeard {
-        match self.reader.hear(line) {
-            Ok(LineHeard::Nothing) => TouchHeard::default(),
+        let heard = match self.reader.hear(line) {
+            Ok(LineHeard::Nothing) => return TouchHeard::default(),
             Ok(LineHeard::Names { again, note }) => TouchHeard { touch: None, said: self.named(again, note) },
             Ok(LineHeard::Touch { contact, time, note }) => {
                 let place = self.place();
@@ -62,6 +69,17 @@ impl TouchHearing {
                 TouchHeard { touch: Some(contact), said: note.or(late) }
             }
             Err(error) => self.fault(&error.to_string()),
+        };
+        TouchHeard { said: self.first_of_a_row(heard.said), ..heard }
+    }
+
+    /// What is said of the first lines of a row of which there is something to say.
+    fn first_of_a_row(&mut self, said: Option<String>) -> Option<String> {
+        self.in_a_row = if said.is_some() { self.in_a_row + 1 } else { 0 };
+        match self.in_a_row.cmp(&TOLD_IN_A_ROW) {
+            Ordering::Less => said,
+            Ordering::Equal => said.map(|said| format!("{said}; of those that follow in a row nothing more is said")),
+            Ordering::Greater => None,
         }
     }
 
@@ -71,8 +89,14 @@ impl TouchHearing {
         self.fault(why)
     }
 
+    /// A touch that was no line, and when it was made: what is to be said of it.
+    pub(in crate::cli) fn hear_contact(&mut self, place: &str, time: Option<f64>) -> Option<String> {
+        let late = self.is_late(place, time);
+        self.first_of_a_row(late)
+    }
+
     /// Says that a touch is earlier than the one before it, and takes its time.
-    pub(in crate::cli) fn is_late(&mut self, place: &str, time: Option<f64>) -> Option<String> {
+    fn is_late(&mut self, place: &str, time: Option<f64>) -> Option<String> {
         let before = self.time.zip(time).filter(|(before, time)| time < before);
         self.time = time.or(self.time);
         let (before, time) = before?;
