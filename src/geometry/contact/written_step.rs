@@ -9,6 +9,7 @@
 //! A bar along an even grid has few heights, each many times over, and all contacts of one height are rounded alike: `copies` of them
 //! tell as much as one.
 
+use palpate_numeric::draws::evenly;
 use palpate_numeric::vector::Vector;
 
 use super::{Contacts, Grid, Orientation};
@@ -19,6 +20,9 @@ const FINEST: f64 = 1e-13;
 const MOST_DIGITS: i32 = 9;
 /// Different numbers below which a column shows no step: a plane at z = 5 is not rounded to integers.
 const FEWEST_NUMBERS: usize = 3;
+
+/// Contacts among which copies are counted: a thousand tell how many share a rounding to some per cent, and millions are slow to sort.
+const COUNTED: usize = 4096;
 
 /// Standard deviations by which numbers were rounded where they were written, and how often the same rounding comes again.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,10 +65,10 @@ impl Rounding {
             return Rounding { position: [self.largest()[0]; 3], ..self };
         }
         let count = normals.len().max(1) as f64;
-        let column = |of: &[Vector], k: usize| of.iter().map(|v| v[k]).collect::<Vec<f64>>();
         let along = [0, 1, 2].map(|k| normals.iter().map(|n| n[k] * n[k]).sum::<f64>() / count);
         let variance: f64 = (0..3).map(|k| along[k] * self.position[k].powi(2)).sum();
         let up = (1..3).fold(0, |up, k| if along[k] > along[up] { k } else { up });
+        let column = |of: &[Vector], k: usize| of.iter().map(|v| v[k]).collect::<Vec<f64>>();
         let of_heights = match self.position[up] {
             0.0 => 1.0,
             sd => copies(&column(points, up), step(sd)),
@@ -223,7 +227,11 @@ fn root_mean_square(values: &[f64], step: impl Fn(f64) -> f64) -> f64 {
 /// How many contacts share one rounding on the mean: those of one number, beyond those that are one or two steps apart. Numbers that fall
 /// together by chance, because there are few steps or because a sensor's errors spread them over several, have more such neighbours.
 fn copies(values: &[f64], step: f64) -> f64 {
-    let mut sorted = values.to_vec();
+    // of very many some tell how many they are; by the golden section, with which no row of a grid is in step
+    let count = values.len();
+    let number = |k: usize| (evenly(k) * count as f64) as usize;
+    let mut sorted: Vec<f64> =
+        if count < 3 * COUNTED { values.to_vec() } else { (0..COUNTED).map(|k| values[number(k)]).collect() };
     sorted.sort_unstable_by(f64::total_cmp);
     let runs: Vec<(f64, f64)> =
         sorted.chunk_by(|a, b| b - a < 0.5 * step).map(|run| (run[0], run.len() as f64)).collect();
@@ -233,7 +241,8 @@ fn copies(values: &[f64], step: f64) -> f64 {
         .filter(|(low, high)| high.0 - low.0 < 2.5 * step)
         .map(|(low, high)| low.1 * high.1)
         .sum();
-    1.0 + 2.0 * (same - beside).max(0.0) / values.len().max(1) as f64
+    let counted = sorted.len().max(1) as f64;
+    1.0 + 2.0 * (same - beside).max(0.0) / counted * (count as f64 / counted)
 }
 
 #[cfg(test)]
@@ -322,6 +331,9 @@ mod tests {
         let is = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-3;
         assert!(is(found.normal, 1e-3 / 12.0_f64.sqrt()) && found.largest()[0] < 1.01 * found.normal, "{found:?}");
         assert_eq!(found.copies, [16.0, 16.0]);
+        let many = |of: &[Vector]| of.iter().copied().cycle().take(65_536).collect::<Vec<Vector>>();
+        let found_of_many = found.among(&many(&points), &many(&normals));
+        assert!(found_of_many.copies.iter().all(|copies| (copies / 16_384.0 - 1.0).abs() < 0.02), "{found_of_many:?}");
         let half = found.among(&points[..32], &normals[..32]);
         assert_eq!(half.copies, [8.0, 8.0]);
         assert!(is(half.variances()[1], 22.0 * half.normal.powi(2)), "{half:?}");
