@@ -133,8 +133,8 @@ fn likeliest_division(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> O
         firsts.iter().map(|first| (*first, likeliest_thing as NextThing)).collect();
     // places alone lie in planes to the last digit that are none: two straight lines of a saddle do
     let is_told_by_normals = sample.known_normals() == sample.len();
-    let nearest = firsts.iter().filter(|_| is_told_by_normals).min_by(|a, b| a.1.sd[0].total_cmp(&b.1.sd[0]));
-    begun.extend(nearest.map(|first| (*first, nearest_thing as NextThing)));
+    let nearest = || firsts.iter().min_by(|a, b| a.1.sd[0].total_cmp(&b.1.sd[0]));
+    begun.extend(is_told_by_normals.then(nearest).flatten().map(|first| (*first, nearest_thing as NextThing)));
     let divided = threads::map(begun.len(), 1, |k| Division::beginning_with(begun[k].0, begun[k].1, sample, tuning));
     let log = |found: &Division| found.log_evidence(tuning);
     let divided: Vec<Division> = divided.into_iter().flatten().collect();

@@ -17,6 +17,7 @@ pub(crate) struct BodySample {
     pub(crate) normals: Vec<Vector>,
     /// Sds that numbers with a step leave, of a place and of a normal: no scale is found below them.
     pub(crate) floor: [f64; 2],
+    /// The same of every coordinate, and how many share one rounding.
     pub(super) rounding: Rounding,
 }
 

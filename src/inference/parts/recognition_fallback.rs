@@ -58,7 +58,9 @@ impl Few {
         let options = RecognitionOptions { up, ..RecognitionOptions::default() };
         let contacts = Contacts::from_points(&points);
         let contacts = if measured { contacts.with_normal_vectors(&normals) } else { contacts };
-        Recognition::of_rounded(&contacts, cloud.rounding, &options).ok().map(|found| Few { found, measured })
+        Recognition::of_rounded(&contacts, cloud.rounding_among(members), &options)
+            .ok()
+            .map(|found| Few { found, measured })
     }
 
     /// Whether a primitive of this kind, class and mean R, in the cloud's units, is hardly what the contacts show. The R of a

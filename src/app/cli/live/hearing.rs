@@ -86,7 +86,8 @@ impl TouchHearing {
     /// A line of which nothing was read, and why: it counts as a line.
     pub(in crate::cli) fn hear_nothing(&mut self, why: &str) -> TouchHeard {
         let _ = self.reader.hear(b"");
-        self.fault(why)
+        let heard = self.fault(why);
+        TouchHeard { said: self.first_of_a_row(heard.said), ..heard }
     }
 
     /// A touch that was no line, and when it was made: what is to be said of it.

@@ -66,7 +66,7 @@ impl TouchUpdate {
     }
 }
 
-/// Touches that came after a recognition, each of which moves its answer in some ten microseconds.
+/// Touches that came after a recognition, each of which moves its answer: far quicker than all of them are recognised anew.
 ///
 /// ```
 /// # use palpate_geometry::contact::Contacts;
