@@ -91,11 +91,11 @@ impl BodyPosterior {
         1.0 - self.members_of(self.kind()).len() as f64 / sample.len() as f64
     }
 
-    /// Whether the likeliest kind holds nearly all contacts without a departure, and not between two sheets.
+    /// Whether the likeliest kind holds nearly all contacts without a departure, and not between two sheets or walls.
     pub(super) fn is_exact(&self, sample: &BodySample, tuning: &Tuning) -> bool {
         let is_plain = self.weight_without_departure() > 0.5 && self.false_share(sample) < tuning.other_things;
-        let on_sheets = |found: &Primitive| on_either_side(found, sample, tuning).is_empty();
-        is_plain && self.likeliest(self.kind()).is_some_and(|found| on_sheets(&found))
+        let is_between = |found: &Primitive| !on_either_side(found, sample, tuning).is_empty();
+        is_plain && self.likeliest(self.kind()).is_some_and(|found| !is_between(&found))
     }
 
     /// The likeliest hypothesis of one kind.

@@ -10,7 +10,7 @@
 //! Normals that are not given are those of planes through neighbours; they serve here and nowhere else. Sets of a few: M. Fischler and
 //! R. Bolles, *Comm. ACM* 24 (1981) 381; the median: P. Rousseeuw, *J. Am. Stat. Assoc.* 79 (1984) 871.
 
-use super::mode::{Candidate, FalseContacts, MINORITY, is_possible};
+use super::mode::{Candidate, FalseContacts, MINORITY, Mode, is_possible, offsets};
 use super::sample::BodySample;
 use super::tuning::Tuning;
 use crate::primitives::descent;
@@ -52,7 +52,7 @@ pub(super) fn of_minorities(sample: &BodySample, tuning: &Tuning) -> Vec<Candida
         if matches!(kind, PartKind::Torus | PartKind::Ellipsoid) {
             return;
         }
-        let mut rated = rated(starts, sample, |distances| [at(distances, least)]);
+        let mut rated = rated_by_normals(starts, sample, tuning, |distances| [at(distances, least)]);
         rated.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
         let found = rated.into_iter().take(tuning.followed[0]);
         all.extend(found.map(|(_, start)| Candidate {
@@ -63,6 +63,17 @@ pub(super) fn of_minorities(sample: &BodySample, tuning: &Tuning) -> Vec<Candida
         }));
     });
     all
+}
+
+/// The start of a kind that is nearest to all contacts by the mean square.
+pub(super) fn nearest_to_all(kind: PartKind, sample: &BodySample, tuning: &Tuning) -> Option<Primitive> {
+    let mut of_kind = by_positions(kind, sample, tuning);
+    if sample.known_normals() == sample.len() {
+        of_kind.extend(closed_forms(kind, sample));
+    }
+    of_kind.retain(is_possible);
+    let rated = rated(of_kind, sample, |distances| [distances.iter().map(|d| d * d).sum::<f64>()]);
+    rated.into_iter().min_by(|a, b| a.0[0].total_cmp(&b.0[0])).map(|(_, start)| start)
 }
 
 /// All starts of every kind.
@@ -83,17 +94,48 @@ fn for_each_kind(sample: &BodySample, tuning: &Tuning, mut take: impl FnMut(Part
     }
 }
 
-/// The primitive moved out and in to the middles of the contacts on either side of it, where these lie on two sheets: their distances
-/// then have a kurtosis near 1.
-pub(super) fn on_either_side(found: &Primitive, sample: &BodySample, tuning: &Tuning) -> Vec<Primitive> {
+/// Starts beside a primitive: moved out and in to the middles of the contacts on either side of it, where these lie on two sheets, and fitted
+/// to those whose normals point to either side, as on two walls that face each other.
+pub(super) fn on_either_side(found: &Primitive, sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
     let distances: Vec<f64> = sample.points.iter().map(|p| found.nearest(*p).0).collect();
-    let moment = |power: i32| distances.iter().map(|d| d.powi(power)).sum::<f64>() / distances.len() as f64;
-    let kurtosis = moment(4) / moment(2).powi(2);
-    if kurtosis.is_nan() || kurtosis > tuning.two_peaks {
+    let middle = |side: f64| median(distances.iter().filter(|d| side * **d > 0.0).copied().collect::<Vec<f64>>());
+    let sheets = if lie_on_two_sheets(&distances, tuning) { &[1.0, -1.0][..] } else { &[] };
+    let moved = sheets.iter().filter_map(|side| Some(beside(found, middle(*side)?))).filter(is_possible);
+    let moved = moved.map(|start| Candidate::new(start, FalseContacts::Some, tuning));
+    moved.chain(facing(found, sample, tuning)).collect()
+}
+
+/// Fitted to the contacts whose normals point to one side of a primitive, and to those to the other, where both are many enough to be a thing.
+fn facing(found: &Primitive, sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
+    let side = |i: usize| Some(dot(sample.normal(i)?, found.nearest(sample.points[i]).1) > 0.0);
+    let of_side = |out: bool| (0..sample.len()).filter(|i| side(*i) == Some(out)).collect::<Vec<usize>>();
+    let sides = [of_side(true), of_side(false)];
+    let share = |own: &[usize]| own.len() as f64 / sample.len() as f64;
+    if sides.iter().any(|own| share(own) < tuning.other_things) {
         return Vec::new();
     }
-    let middle = |side: f64| median(distances.iter().filter(|d| side * **d > 0.0).copied().collect::<Vec<f64>>());
-    [1.0, -1.0].into_iter().filter_map(middle).map(|by| beside(found, by)).filter(is_possible).collect()
+    let about = |own: Vec<usize>| {
+        let start = Mode::of_members(found, &own, sample, tuning)?.primitive;
+        let share = tuning.surely_own * share(&own);
+        Some(Candidate { start, strays: FalseContacts::Some, share, of_own: tuning.surely_own })
+    };
+    sides.into_iter().filter_map(about).filter(|found| is_possible(&found.start)).collect()
+}
+
+/// Whether distances have a kurtosis near 1, the farthest counted or, since they may be false, not.
+fn lie_on_two_sheets(distances: &[f64], tuning: &Tuning) -> bool {
+    let mut sizes: Vec<f64> = distances.iter().map(|d| d.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let twice_expected = 2.0 / (1.0 + tuning.false_prior);
+    let nearer = &sizes[..((1.0 - twice_expected) * sizes.len() as f64).ceil() as usize];
+    kurtosis(&sizes).min(kurtosis(nearer)) <= tuning.two_peaks
+}
+
+/// Of distances about 0; infinite where all are 0.
+fn kurtosis(distances: &[f64]) -> f64 {
+    let moment = |power: i32| distances.iter().map(|d| d.powi(power)).sum::<f64>() / distances.len() as f64;
+    let found = moment(4) / moment(2).powi(2);
+    if found.is_nan() { f64::INFINITY } else { found }
 }
 
 /// The parallel surface at a distance.
@@ -141,6 +183,23 @@ fn rated<const N: usize>(
 ) -> Vec<([f64; N], Primitive)> {
     let rate = |start: Primitive| {
         let mut distances: Vec<f64> = sample.points.iter().map(|p| start.nearest(*p).0.abs()).collect();
+        distances.sort_unstable_by(f64::total_cmp);
+        (rates(&distances), start)
+    };
+    starts.into_iter().map(rate).filter(|(rates, _)| rates.iter().all(|rate| rate.is_finite())).collect()
+}
+
+/// The same by distances and offsets of normals together, these as much longer as a sensor's mostly are.
+fn rated_by_normals<const N: usize>(
+    starts: Vec<Primitive>,
+    sample: &BodySample,
+    tuning: &Tuning,
+    rates: impl Fn(&[f64]) -> [f64; N],
+) -> Vec<([f64; N], Primitive)> {
+    let arm = tuning.log_ratio[0].exp();
+    let rate = |start: Primitive| {
+        let offset = |(d, off): (f64, Option<f64>)| d.hypot(arm * off.map_or(0.0, f64::sqrt));
+        let mut distances: Vec<f64> = offsets(&start, sample).into_iter().map(offset).collect();
         distances.sort_unstable_by(f64::total_cmp);
         (rates(&distances), start)
     };

@@ -1,86 +1,160 @@
-//! How probable it is that contacts are divided among two things as they are: neighbours mostly belong to the same one.
+//! Contacts divided among things, each found in what those before it leave out.
 //!
 //! ```text
-//! ln p = ln 1/2 + ln B(1 + changes, 1 + steps - changes)      steps from contact to contact along a curve that fills space
+//! ln p(two things) = ln p(first, others false) - ln p(others false) + ln p(second of the others)
+//! ln p = ln((p(each scatters by itself) + p(all scatter alike)) / 2)                        `one_sensor`
 //! ```
-//!
-//! The first contact belongs to either thing, and every next one to the same as the one before it but with some probability, of which
-//! nothing is known. The curve is that of G. Morton, *A Computer Oriented Geodetic Data Base*, IBM, 1966: the digits of the three
-//! coordinates in turn.
 
-use std::f64::consts::LN_2;
-
-use statrs::function::beta::ln_beta;
-
+use super::body_hypothesis::BodyHypothesis;
+use super::evidence::LinearisedBase;
+use super::faces::FlatFace;
+use super::mode::{Mode, log_false};
+use super::one_sensor::of_one_sensor;
 use super::sample::BodySample;
-use palpate_numeric::vector::Vector;
+use super::tuning::Tuning;
+use crate::primitives::placed::{PartKind, Primitive};
+use palpate_numeric::statistics::log_mean_exp;
+use palpate_numeric::threads;
+use palpate_numeric::vector::axes_along;
 
-/// Binary digits of a coordinate.
-const DIGITS: u32 = 16;
-
-/// Log probability that these members belong to one thing and all others to the other.
-pub(super) fn log_division(sample: &BodySample, members: &[usize]) -> f64 {
-    let mut is_member = vec![false; sample.len()];
-    members.iter().for_each(|i| is_member[*i] = true);
-    let along = along_a_curve(&sample.points);
-    let changes = along.windows(2).filter(|pair| is_member[pair[0]] != is_member[pair[1]]).count() as f64;
-    let steps = along.len().saturating_sub(1) as f64;
-    ln_beta(1.0 + changes, 1.0 + steps - changes) - LN_2
+/// One of several things among the contacts that no thing before it holds.
+pub(super) struct FoundThing {
+    pub(super) mode: Mode,
+    pub(super) among: BodySample,
 }
 
-/// The contacts' numbers in the order of the curve through the box about them.
-fn along_a_curve(points: &[Vector]) -> Vec<usize> {
-    let corner = |better: fn(f64, f64) -> f64| {
-        let meet = |sum: Vector, p: &Vector| [0, 1, 2].map(|k| better(sum[k], p[k]));
-        points.iter().skip(1).fold(points.first().copied().unwrap_or_default(), meet)
-    };
-    let (least, most) = (corner(f64::min), corner(f64::max));
-    let extent = (0..3).map(|k| most[k] - least[k]).fold(f64::MIN_POSITIVE, f64::max);
-    let cells = f64::from((1_u32 << DIGITS) - 1);
-    let place = |p: &Vector| {
-        let whole = [0, 1, 2].map(|k| ((p[k] - least[k]) / extent * cells) as u64);
-        (0..DIGITS).fold(0_u64, |code, digit| {
-            (0..3).fold(code, |code, k| code | (whole[k] >> digit & 1) << (3 * digit + k as u32))
-        })
-    };
-    let mut order: Vec<(u64, usize)> = points.iter().enumerate().map(|(i, p)| (place(p), i)).collect();
-    order.sort_unstable();
-    order.into_iter().map(|(_, i)| i).collect()
+impl FoundThing {
+    pub(super) fn left(&self) -> BodySample {
+        self.among.only(&self.mode.others())
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use palpate_geometry::contact::Rounding;
+/// Things, each found in what those before it leave out.
+pub(super) struct Division {
+    pub(super) things: Vec<FoundThing>,
+    /// So many of them, the first ones, are what the contacts are; contacts of no thing are false.
+    pub(super) counted: usize,
+    /// Where each scatters by itself, or all alike.
+    pub(super) log_evidence: f64,
+}
 
-    /// A square of 20 times 20 places.
-    fn square() -> BodySample {
-        let points: Vec<Vector> = (0..400).map(|i| [f64::from(i % 20), f64::from(i / 20), 0.0]).collect();
-        BodySample::new(&points, &[], Rounding::NONE).unwrap()
+/// How the next thing is found in what others leave out.
+pub(super) type NextThing = fn(BodySample, &Tuning) -> Option<(f64, FoundThing)>;
+
+impl Division {
+    /// Two things, and further ones in what both leave out.
+    pub(super) fn beginning_with(
+        (of_first, first): (f64, &Mode),
+        next_thing: NextThing,
+        sample: &BodySample,
+        tuning: &Tuning,
+    ) -> Option<Division> {
+        let first = FoundThing { mode: first.clone(), among: sample.clone() };
+        let (gain, second) = next_thing(first.left(), tuning)?;
+        let mut rest = second.left();
+        let mut gains = vec![of_first, gain];
+        let mut things = vec![first, second];
+        while things.len() < tuning.most_things {
+            let Some((gain, next)) = next_thing(rest, tuning).filter(|(gain, _)| *gain > tuning.clearly) else { break };
+            rest = next.left();
+            gains.push(gain);
+            things.push(next);
+        }
+        Some(Division::rated(things, &gains, tuning))
     }
 
-    #[test]
-    fn every_contact_is_passed_once() {
-        let mut order = along_a_curve(&square().points);
-        order.sort_unstable();
-        assert!(order.into_iter().eq(0..400));
+    /// The planes of some faces, each in what those before it leave out.
+    pub(super) fn of_faces(faces: &[FlatFace], sample: &BodySample, tuning: &Tuning) -> Option<Division> {
+        let arm = tuning.log_ratio[0].exp();
+        let mut left: Vec<usize> = (0..sample.len()).collect();
+        let (mut things, mut gains) = (Vec::new(), Vec::new());
+        for face in faces.iter().filter(|face| face.members.len() > 1) {
+            let among = sample.only(&left);
+            let own: Vec<usize> = (0..left.len()).filter(|i| face.members.contains(&left[*i])).collect();
+            let (origin, across) = face.plane(arm);
+            let start =
+                Primitive { kind: PartKind::Plane, origin, axes: axes_along(across), sizes: [0.0; 3], side: 1.0 };
+            let mode = Mode::of_members(&start, &own, &among, tuning)?;
+            let by_chance = if things.is_empty() { 0.0 } else { of_chance(&among, tuning) };
+            gains.push(of_one_thing(&mode, &among, tuning).unwrap_or(f64::NEG_INFINITY) - by_chance);
+            left.retain(|i| !face.members.contains(i));
+            things.push(FoundThing { mode, among });
+        }
+        (things.len() > 1).then(|| Division::rated(things, &gains, tuning))
     }
 
-    #[test]
-    fn halves_are_more_probable_than_a_mixture() {
-        let half: Vec<usize> = (0..200).collect();
-        let mixture: Vec<usize> = (0..400).filter(|i| (i * 7919 + 13) % 400 < 200).collect();
-        let (half, mixture) = (log_division(&square(), &half), log_division(&square(), &mixture));
-        // a mixture costs about ln 2 a contact, a half no more than its border
-        assert!(half > -100.0 && mixture < -230.0, "{half} {mixture}");
+    /// Things by what each gains.
+    fn rated(things: Vec<FoundThing>, gains: &[f64], tuning: &Tuning) -> Division {
+        let counted = if hold_all(&things, tuning) { things.len() } else { 2 };
+        let apart: f64 = gains[..counted].iter().sum();
+        let linearised: Vec<LinearisedBase> = things[..counted]
+            .iter()
+            .map(|thing| LinearisedBase::new(&thing.mode, &thing.among, tuning).beside_others(tuning))
+            .collect();
+        let by_chance: f64 = things[1..counted].iter().map(|thing| of_chance(&thing.among, tuning)).sum();
+        let alike = of_one_sensor(&linearised, tuning).map_or(f64::NEG_INFINITY, |log| log - by_chance);
+        Division { things, counted, log_evidence: log_mean_exp(apart, alike) }
     }
 
-    #[test]
-    fn the_probabilities_of_all_divisions_are_one() {
-        let points: Vec<Vector> = (0..9).map(|i: i32| [f64::from(i * i % 7), f64::from(i), 0.0]).collect();
-        let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
-        let of = |code: usize| (0..9).filter(|i| code >> i & 1 == 1).collect::<Vec<usize>>();
-        let sum: f64 = (0..512).map(|code| log_division(&sample, &of(code)).exp()).sum();
-        assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+    /// How many things of every kind are counted.
+    pub(super) fn kinds(&self) -> [usize; 6] {
+        let of_kind =
+            |kind| self.things[..self.counted].iter().filter(|thing| thing.mode.primitive.kind == kind).count();
+        PartKind::BODIES.map(of_kind)
     }
+
+    /// The same where each departs.
+    pub(super) fn with_departures(&self, tuning: &Tuning) -> f64 {
+        let departed = threads::map(self.counted, 1, |k| of_departures(&self.things[k], tuning));
+        self.log_evidence + departed.iter().sum::<f64>()
+    }
+}
+
+/// Whether things hold the contacts but for a few, or for fewer than a thing has: else further ones are what is near the first two.
+fn hold_all(things: &[FoundThing], tuning: &Tuning) -> bool {
+    let all = &things[0].among;
+    let held = things.iter().map(|thing| thing.mode.members().len()).sum::<usize>();
+    held as f64 >= tuning.things_hold * all.len() as f64 || all.len() - held < fewest(all, tuning)
+}
+
+/// Log evidence of one thing, the others being false.
+pub(super) fn of_one_thing(mode: &Mode, sample: &BodySample, tuning: &Tuning) -> Option<f64> {
+    LinearisedBase::new(mode, sample, tuning).beside_others(tuning).without_departure(tuning)
+}
+
+/// What departures add to the log evidence of one thing: those by which it is still what it is called. A ring or an ellipsoid that departs
+/// follows any smooth surface.
+fn of_departures(found: &FoundThing, tuning: &Tuning) -> f64 {
+    // what has few contacts beside its unknowns shows no scatter by which a departure would be rated
+    let is_rated = found.mode.members().len() >= 2 * unknowns(&found.mode);
+    if !is_simple(found.mode.primitive.kind) || !is_rated {
+        return 0.0;
+    }
+    let thing = LinearisedBase::new(&found.mode, &found.among, tuning).beside_others(tuning).departing(tuning);
+    let Some(exact) = thing.without_departure(tuning) else { return 0.0 };
+    let is_thing = |node: &BodyHypothesis| node.slope() <= tuning.largest_slope && thing.is_linear(node, tuning);
+    let nodes = thing.nodes(0, tuning).into_iter().filter(is_thing);
+    nodes.map(|node| node.log_evidence - exact).fold(0.0, f64::max)
+}
+
+/// Log probability that all contacts are false.
+pub(super) fn of_chance(rest: &BodySample, tuning: &Tuning) -> f64 {
+    (0..rest.len()).map(|i| log_false(tuning, rest.normal(i).is_some())).sum()
+}
+
+/// Contacts that a thing has at least.
+pub(super) fn fewest(sample: &BodySample, tuning: &Tuning) -> usize {
+    tuning.thing_contacts[usize::from(sample.known_normals() == sample.len())]
+}
+
+/// Kinds that do not follow two things at once.
+pub(super) const SIMPLE: [PartKind; 4] = [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone];
+
+/// Whether a kind does not follow two things at once, nor whatever smooth surface there is.
+pub(crate) fn is_simple(kind: PartKind) -> bool {
+    SIMPLE.contains(&kind)
+}
+
+pub(super) fn unknowns(mode: &Mode) -> usize {
+    mode.primitive.kind.free().len()
 }

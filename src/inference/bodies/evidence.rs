@@ -10,24 +10,24 @@
 //! The prior of s is 1/s, and s is integrated. ln v has a gaussian prior, and is integrated by Laplace's method about the v where
 //! ln p is largest: few distances could otherwise be followed exactly while the normals pay. w and x are drawn together from A.
 
-use std::f64::consts::LN_2;
-
 use statrs::function::beta::ln_beta;
 
 use super::body_hypothesis::{BodyHypothesis, moved};
 use super::coordinates::DepartureOver;
 use super::departure_kernel::DepartureKernel;
-use super::division::log_division;
+use super::division_prior::log_division;
 use super::mode::{Mode, is_possible, log_false};
 use super::posterior::DrawnBase;
 use super::prior::{log_prior, log_prior_of_axis, widths};
 use super::rows::{BaseRows, RowGrams};
 use super::sample::BodySample;
+use super::sides::log_sides;
 use super::tuning::Tuning;
 use crate::dense;
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_geometry::contact::Rounding;
 use palpate_numeric::brent;
+use palpate_numeric::statistics::log_mean_exp;
 
 /// How far to both sides of the mode's ln v its peak is looked for, how exactly, and values that are asked for at most.
 const SPAN: f64 = 4.0;
@@ -47,7 +47,9 @@ pub(super) struct LinearisedBase<'a> {
     /// Sd of a distance that counts for as many contacts as there are, where written numbers were rounded alike.
     shared_floor: f64,
     /// ln p of what does not depend on the departure.
-    constant: f64,
+    pub(super) constant: f64,
+    /// Given normals that point to the side of the base's normals, and those that point to the other.
+    pub(super) sides: [usize; 2],
     /// Numbers of rows of distances and of normals.
     pub(super) rows: [f64; 2],
     /// Unknowns of the primitive that are free.
@@ -57,7 +59,7 @@ pub(super) struct LinearisedBase<'a> {
     /// By how much the slope of F may differ from 1, and the sd of the broad part of a departure that is as large as the body.
     pub(super) steep: f64,
     pub(super) broad: f64,
-    plain: RowGrams,
+    pub(super) plain: RowGrams,
     /// With departures.
     departed: Vec<RowGrams>,
 }
@@ -100,7 +102,8 @@ impl<'a> LinearisedBase<'a> {
         let (members, away) = (mode.members(), mode.others());
         let normals = members.iter().filter(|i| sample.normal(**i).is_some()).count() as f64;
         let falsely: f64 = away.iter().map(|i| log_false(tuning, sample.normal(*i).is_some())).sum();
-        let constant = prior + falsely + log_share(away.len(), sample.len(), tuning);
+        let of_sides = log_sides(&[base.sides], tuning);
+        let constant = prior + falsely + of_sides + log_share(away.len(), sample.len(), tuning);
         let rows = [members.len() as f64, 2.0 * normals];
         let (plain, widths) = (base.grams(), widths(&primitive));
         let (steep, [broad, _]) = (tuning.free_steepness, tuning.free_broad);
@@ -112,6 +115,7 @@ impl<'a> LinearisedBase<'a> {
             sd,
             shared_floor,
             constant,
+            sides: base.sides,
             rows,
             moving,
             widths,
@@ -126,7 +130,7 @@ impl<'a> LinearisedBase<'a> {
     pub(super) fn beside_others(mut self, tuning: &Tuning) -> LinearisedBase<'a> {
         let by_share = log_share(self.sample.len() - self.members.len(), self.sample.len(), tuning);
         let by_place = log_division(self.sample, &self.members);
-        self.constant += by_share.max(by_place) + (-(by_share - by_place).abs()).exp().ln_1p() - LN_2 - by_share;
+        self.constant += log_mean_exp(by_share, by_place) - by_share;
         self
     }
 
@@ -311,18 +315,8 @@ impl<'a> LinearisedBase<'a> {
 
     /// The likeliest ln v, and what its prior and its width add to ln p there.
     fn ratio(&self, grams: &RowGrams, size: Option<f64>, tuning: &Tuning) -> (f64, f64) {
-        let [mean, sd] = tuning.log_ratio.map(|v| 2.0 * v);
-        let prior = |log_v: f64| -0.5 * ((log_v - mean) / sd).powi(2);
-        let value = |log_v: f64| {
-            self.factored(grams, size, log_v.exp()).map_or(f64::NEG_INFINITY, |found| found.log + prior(log_v))
-        };
-        let [s, sn] = self.sd;
-        let middle = (2.0 * (s / sn).ln()).clamp(mean - 3.0 * sd, mean + 3.0 * sd);
-        let (best, most) = brent::maximum([middle - SPAN, middle + SPAN], middle, EXACTLY, VALUES, value);
-        let curvature = (2.0 * most - value(best - STEP_OF_V) - value(best + STEP_OF_V)) / (STEP_OF_V * STEP_OF_V);
-        let least = 1.0 / (sd * sd);
-        let width = if curvature > least { 1.0 / curvature } else { 1.0 / least };
-        (best, prior(best) + 0.5 * width.ln() - sd.ln())
+        let value = |log_v: f64| self.factored(grams, size, log_v.exp()).map_or(f64::NEG_INFINITY, |found| found.log);
+        likeliest_ratio(self.sd, value, tuning)
     }
 
     /// Log evidence at the mode's own scales, the best of a few departures: enough to leave out kinds that have no chance.
@@ -336,6 +330,19 @@ impl<'a> LinearisedBase<'a> {
         let departed = self.departed.iter().map(|g| of(g, Some(largest)).max(of(g, Some(0.1 * largest))));
         self.constant + departed.fold(of(&self.plain, None), f64::max)
     }
+}
+
+/// The likeliest ln v by the log probability of contacts at one, and what its prior and its width add there; looked for about that of the sds.
+pub(super) fn likeliest_ratio([s, sn]: [f64; 2], of: impl Fn(f64) -> f64, tuning: &Tuning) -> (f64, f64) {
+    let [mean, sd] = tuning.log_ratio.map(|v| 2.0 * v);
+    let prior = |log_v: f64| -0.5 * ((log_v - mean) / sd).powi(2);
+    let value = |log_v: f64| of(log_v) + prior(log_v);
+    let middle = (2.0 * (s / sn).ln()).clamp(mean - 3.0 * sd, mean + 3.0 * sd);
+    let (best, most) = brent::maximum([middle - SPAN, middle + SPAN], middle, EXACTLY, VALUES, value);
+    let curvature = (2.0 * most - value(best - STEP_OF_V) - value(best + STEP_OF_V)) / (STEP_OF_V * STEP_OF_V);
+    let least = 1.0 / (sd * sd);
+    let width = if curvature > least { 1.0 / curvature } else { 1.0 / least };
+    (best, prior(best) + 0.5 * width.ln() - sd.ln())
 }
 
 /// Log probability that so many contacts are false, each for itself.

@@ -3,10 +3,11 @@
 use super::body_hypothesis::BodyHypothesis;
 use super::body_posterior::{BodyPosterior, most, normalised};
 use super::coordinates::DepartureOver;
+use super::division::is_simple;
 use super::evidence::LinearisedBase;
 use super::free_surface::free_surface;
 use super::mode::{FalseContacts, Mode};
-use super::other_things::{RatedThings, Thing, is_simple, scatter, several_things};
+use super::other_things::{RatedThings, Thing, scatter, several_things};
 use super::sample::BodySample;
 use super::search::modes;
 use super::tuning::Tuning;

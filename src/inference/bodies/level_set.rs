@@ -51,6 +51,7 @@ impl BaseRows {
         (0..=last).for_each(|c| self.steepness[(r, c)] = slopes[c]);
         self.steepness[(r, last)] -= 1.0;
         self.upward.push(self.over.along(at.primitive, at.place, upward));
+        self.count_side(given, at.jet.gradient);
         let Some(normal) = given else { return };
         let [first, second, _] = axes_along(normal);
         for (k, tangent) in [first, second].into_iter().enumerate() {

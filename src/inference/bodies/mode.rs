@@ -51,6 +51,21 @@ pub(super) struct Mode {
 }
 
 impl Mode {
+    /// About the primitive of a start's kind that is nearest to some contacts, which are its own and all others are not.
+    pub(super) fn of_members(
+        start: &Primitive,
+        members: &[usize],
+        sample: &BodySample,
+        tuning: &Tuning,
+    ) -> Option<Mode> {
+        let mut weights = vec![0.0; sample.len()];
+        members.iter().for_each(|i| weights[*i] = 1.0);
+        let primitive = descended(start, sample, &weights, [tuning.log_ratio[0].exp(), 1.0])?;
+        let unknowns = start.kind.free().len() as f64;
+        let sd = scales_of(&offsets(&primitive, sample), &weights, sample, unknowns, 0.0, tuning).sd;
+        Some(Mode { primitive, weights, sd, likelihood: f64::NEG_INFINITY, strays: FalseContacts::Some })
+    }
+
     /// Whether so many contacts belong to it that the others may be false. One face of a cube has a sixth: it is a thing among others.
     pub(super) fn holds_most(&self, tuning: &Tuning) -> bool {
         self.members().len() as f64 >= (1.0 - tuning.false_most) * self.weights.len() as f64 - 1.0

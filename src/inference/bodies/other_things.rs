@@ -10,10 +10,11 @@
 //! one smooth surface of any shape: pieces of a wave are not more probable than the wave. Beside a free surface each thing departs as well:
 //! the faces of a box of cardboard are not quite flat.
 
-use super::body_hypothesis::BodyHypothesis;
-use super::candidates::{on_either_side, principal};
+use super::candidates::{nearest_to_all, on_either_side, principal};
+use super::division::{Division, FoundThing, NextThing, SIMPLE, fewest, is_simple, of_chance, of_one_thing, unknowns};
 use super::evidence::LinearisedBase;
-use super::mode::{Candidate, FalseContacts, Mode, log_false, mode, next_to_all};
+use super::faces::faces;
+use super::mode::{Candidate, Mode, mode, next_to_all};
 use super::sample::BodySample;
 use super::search::{minorities, modes};
 use super::tuning::Tuning;
@@ -48,74 +49,11 @@ pub(super) struct RatedThings {
     pub(super) log_evidence: f64,
 }
 
-/// One of several things among the contacts that no thing before it holds.
-struct FoundThing {
-    mode: Mode,
-    among: BodySample,
-}
-
-impl FoundThing {
-    fn left(&self) -> BodySample {
-        self.among.only(&self.mode.others())
-    }
-}
-
-/// Things, each found in what those before it leave out.
-struct Division {
-    things: Vec<FoundThing>,
-    /// Log evidence of the first two, and of all; contacts of no thing are false.
-    of_two: f64,
-    of_all: f64,
-}
-
-/// How the next thing is found in what others leave out.
-type NextThing = fn(BodySample, &Tuning) -> Option<(f64, FoundThing)>;
-
-impl Division {
-    /// Two things, and further ones in what both leave out.
-    fn beginning_with(
-        (of_first, first): (f64, &Mode),
-        next_thing: NextThing,
-        sample: &BodySample,
-        tuning: &Tuning,
-    ) -> Option<Division> {
-        let first = FoundThing { mode: first.clone(), among: sample.clone() };
-        let (gain, second) = next_thing(first.left(), tuning)?;
-        let of_two = of_first + gain;
-        let mut rest = second.left();
-        let mut found = Division { things: vec![first, second], of_two, of_all: of_two };
-        while found.things.len() < tuning.most_things {
-            let Some((gain, next)) = next_thing(rest, tuning).filter(|(gain, _)| *gain > tuning.clearly) else { break };
-            rest = next.left();
-            found.of_all += gain;
-            found.things.push(next);
-        }
-        Some(found)
-    }
-
-    /// Further things count only where nothing else is left: else they are what is near the first two.
-    fn holds_all(&self, tuning: &Tuning) -> bool {
-        let held = self.things.iter().map(|thing| thing.mode.members().len()).sum::<usize>();
-        held as f64 >= tuning.things_hold * self.things[0].among.len() as f64
-    }
-
-    fn log_evidence(&self, tuning: &Tuning) -> f64 {
-        if self.holds_all(tuning) { self.of_all } else { self.of_two }
-    }
-
-    /// The same where each departs.
-    fn with_departures(&self, tuning: &Tuning) -> f64 {
-        let counted = if self.holds_all(tuning) { self.things.len() } else { 2 };
-        let departed = threads::map(counted, 1, |k| of_departures(&self.things[k], tuning));
-        self.log_evidence(tuning) + departed.iter().sum::<f64>()
-    }
-}
-
 /// The things that explain the contacts clearly better than one, whose log evidence is given.
 pub(super) fn several_things(sample: &BodySample, known: &[Mode], of_one: f64, tuning: &Tuning) -> Option<RatedThings> {
     let divided = likeliest_division(sample, known, tuning)?;
     let of_rival = of_one.max(of_smooth(sample, known, tuning));
-    let is_clear = divided.log_evidence(tuning) > of_rival + tuning.clearly;
+    let is_clear = divided.log_evidence > of_rival + tuning.clearly;
     is_clear.then(|| RatedThings {
         things: divided.things.iter().map(|thing| Thing::of(&thing.mode)).collect(),
         log_evidence: divided.with_departures(tuning),
@@ -123,8 +61,8 @@ pub(super) fn several_things(sample: &BodySample, known: &[Mode], of_one: f64, t
 }
 
 fn likeliest_division(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> Option<Division> {
-    let parallel = known.iter().flat_map(|found| on_either_side(&found.primitive, sample, tuning));
-    let beside: Vec<Candidate> = parallel.map(|start| Candidate::new(start, FalseContacts::Some, tuning)).collect();
+    let beside: Vec<Candidate> =
+        known.iter().flat_map(|found| on_either_side(&found.primitive, sample, tuning)).collect();
     let sheets = threads::map(beside.len(), 1, |k| mode(&beside[k], sample, tuning));
     let sheets: Vec<Mode> = sheets.into_iter().flatten().collect();
     let few = minorities(sample, tuning);
@@ -136,13 +74,34 @@ fn likeliest_division(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> O
     let nearest = || firsts.iter().min_by(|a, b| a.1.sd[0].total_cmp(&b.1.sd[0]));
     begun.extend(is_told_by_normals.then(nearest).flatten().map(|first| (*first, nearest_thing as NextThing)));
     let divided = threads::map(begun.len(), 1, |k| Division::beginning_with(begun[k].0, begun[k].1, sample, tuning));
-    let log = |found: &Division| found.log_evidence(tuning);
-    let divided: Vec<Division> = divided.into_iter().flatten().collect();
-    let most = divided.iter().map(log).fold(f64::NEG_INFINITY, f64::max);
-    // of those that are as good the simplest
-    let as_good = divided.into_iter().filter(|found| log(found) > most - tuning.clearly);
+    let simplest = simplest_as_good(divided.into_iter().flatten().collect(), tuning);
+    let all = simplest.into_iter().chain(divisions_into_faces(sample, tuning));
+    all.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
+}
+
+/// Of divisions that are as good the one that begins with the simplest thing; in which order its things were found is nothing that it says.
+fn simplest_as_good(divided: Vec<Division>, tuning: &Tuning) -> Option<Division> {
+    let most = |found: &[&Division]| found.iter().map(|found| found.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+    let least = most(&divided.iter().collect::<Vec<&Division>>()) - tuning.clearly;
+    let as_good: Vec<Division> = divided.into_iter().filter(|found| found.log_evidence > least).collect();
     let of_first = |found: &Division| unknowns(&found.things[0].mode);
-    as_good.min_by(|a, b| of_first(a).cmp(&of_first(b)).then(log(b).total_cmp(&log(a))))
+    let by_first =
+        |a: &&Division, b: &&Division| of_first(a).cmp(&of_first(b)).then(b.log_evidence.total_cmp(&a.log_evidence));
+    let kinds = as_good.iter().min_by(by_first)?.kinds();
+    let same: Vec<&Division> = as_good.iter().filter(|found| found.kinds() == kinds).collect();
+    let log_evidence = most(&same);
+    as_good
+        .into_iter()
+        .filter(|found| found.kinds() == kinds)
+        .min_by(|a, b| by_first(&a, &b))
+        .map(|found| Division { log_evidence, ..found })
+}
+
+/// Where contacts are few, and all normals known.
+fn divisions_into_faces(sample: &BodySample, tuning: &Tuning) -> Vec<Division> {
+    let numbers = if sample.len() <= tuning.searched { faces(sample, tuning) } else { Vec::new() };
+    let divided = threads::map(numbers.len(), 1, |k| Division::of_faces(&numbers[k], sample, tuning));
+    divided.into_iter().flatten().collect()
 }
 
 /// Modes of which others are looked for, with their log evidence: the likeliest of all, and of every simple kind the likeliest that lies
@@ -233,8 +192,21 @@ fn likeliest_thing(among: BodySample, tuning: &Tuning) -> Option<(f64, FoundThin
     if let Some((_, of_simple, simple)) = most.filter(|(both, ..)| *both > gain) {
         (gain, chosen) = (of_simple, simple);
     }
-    let mode = chosen.clone();
+    let (gain, mode) = or_simpler((gain, chosen), rest, tuning);
     Some((gain, FoundThing { mode, among }))
+}
+
+/// A thing, or what is simpler of its own contacts and gains more: few starts of a kind are followed, and those of planes may all have led
+/// to other faces.
+fn or_simpler((gain, found): (f64, &Mode), rest: &BodySample, tuning: &Tuning) -> (f64, Mode) {
+    let own = found.members();
+    let members = rest.only(&own);
+    let is_simpler = |kind: &PartKind| kind.free().len() < unknowns(found);
+    let about = |kind| Mode::of_members(&nearest_to_all(kind, &members, tuning)?, &own, rest, tuning);
+    let simpler: Vec<Mode> = SIMPLE.into_iter().filter(is_simpler).filter_map(about).collect();
+    let most = with_gains(&simpler, rest, tuning).into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    most.filter(|(of_simpler, _)| *of_simpler > gain)
+        .map_or_else(|| (gain, found.clone()), |(gain, m)| (gain, m.clone()))
 }
 
 /// Of the primitives that are clearly likelier than chance those that lie nearest to their own contacts, and the likeliest of these: the four
@@ -248,7 +220,7 @@ fn nearest_thing(among: BodySample, tuning: &Tuning) -> Option<(f64, FoundThing)
         with_gains(&found, &among, tuning).into_iter().filter(|(gain, _)| *gain > tuning.clearly).collect();
     let scatter = rated.iter().map(|(_, m)| m.sd[0]).fold(f64::INFINITY, f64::min);
     let near = rated.into_iter().filter(|(_, m)| tuning.sharper * m.sd[0] <= scatter);
-    let (gain, mode) = near.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(gain, m)| (gain, m.clone()))?;
+    let (gain, mode) = or_simpler(near.max_by(|a, b| a.0.total_cmp(&b.0))?, &among, tuning);
     Some((gain, FoundThing { mode, among }))
 }
 
@@ -266,29 +238,9 @@ fn of_next(mode: &Mode, rest: &BodySample, tuning: &Tuning) -> f64 {
     with_gains(&beside, &left, tuning).iter().map(|(gain, _)| *gain).fold(0.0, f64::max)
 }
 
-/// Log evidence of one thing, the others being false.
-fn of_one_thing(mode: &Mode, sample: &BodySample, tuning: &Tuning) -> Option<f64> {
-    LinearisedBase::new(mode, sample, tuning).beside_others(tuning).without_departure(tuning)
-}
-
-/// What departures add to the log evidence of one thing: those by which it is still what it is called. A ring or an ellipsoid that departs
-/// follows any smooth surface.
-fn of_departures(found: &FoundThing, tuning: &Tuning) -> f64 {
-    // what has few contacts beside its unknowns shows no scatter by which a departure would be rated
-    let is_rated = found.mode.members().len() >= 2 * unknowns(&found.mode);
-    if !is_simple(found.mode.primitive.kind) || !is_rated {
-        return 0.0;
-    }
-    let thing = LinearisedBase::new(&found.mode, &found.among, tuning).beside_others(tuning).departing(tuning);
-    let Some(exact) = thing.without_departure(tuning) else { return 0.0 };
-    let is_thing = |node: &BodyHypothesis| node.slope() <= tuning.largest_slope && thing.is_linear(node, tuning);
-    let nodes = thing.nodes(0, tuning).into_iter().filter(is_thing);
-    nodes.map(|node| node.log_evidence - exact).fold(0.0, f64::max)
-}
-
 /// Modes with contacts enough, and their log evidence less that of all contacts being false.
 fn with_gains<'a>(found: &'a [Mode], rest: &BodySample, tuning: &Tuning) -> Vec<(f64, &'a Mode)> {
-    let by_chance: f64 = (0..rest.len()).map(|i| log_false(tuning, rest.normal(i).is_some())).sum();
+    let by_chance = of_chance(rest, tuning);
     let gain = |m: &Mode| Some(of_one_thing(m, rest, tuning)? - by_chance);
     let least = fewest(rest, tuning).max((tuning.second_share * rest.len() as f64).ceil() as usize);
     let is_thing = |m: &&Mode| is_near(m, tuning) && m.members().len() >= least && is_told(m, rest);
@@ -301,23 +253,6 @@ fn is_told(mode: &Mode, sample: &BodySample) -> bool {
     mode.members().len() + 2 * normals > unknowns(mode) + 1
 }
 
-/// Contacts that a thing has at least.
-fn fewest(sample: &BodySample, tuning: &Tuning) -> usize {
-    tuning.thing_contacts[usize::from(sample.known_normals() == sample.len())]
-}
-
 fn may_hold_a_thing(rest: &BodySample, tuning: &Tuning) -> bool {
     rest.len() >= fewest(rest, tuning) && spans(rest, tuning)
-}
-
-/// Kinds that do not follow two things at once.
-const SIMPLE: [PartKind; 4] = [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder, PartKind::Cone];
-
-/// Whether a kind does not follow two things at once, nor whatever smooth surface there is.
-pub(crate) fn is_simple(kind: PartKind) -> bool {
-    SIMPLE.contains(&kind)
-}
-
-fn unknowns(mode: &Mode) -> usize {
-    mode.primitive.kind.free().len()
 }

@@ -31,6 +31,8 @@ pub(super) struct BaseRows {
     pub(super) across: Vec<(usize, [Vector; 2])>,
     pub(super) distances: Mat<f64>,
     pub(super) tangential: Mat<f64>,
+    /// Given normals that point to the side of the base's normals, and those that point to the other.
+    pub(super) sides: [usize; 2],
     /// Rows of steepness, and the directions in which it is asked; none where a departure is small.
     pub(super) steepness: Mat<f64>,
     pub(super) upward: Vec<Vector>,
@@ -60,6 +62,7 @@ impl BaseRows {
             let place = sample.points[i];
             let (d, normal) = primitive.nearest(place);
             let given = sample.normal(i).map(|n| aligned(n, normal));
+            found.count_side(sample.normal(i), normal);
             let all = rows(primitive, place, given.unwrap_or([0.0; 3]));
             let foot = along(place, -d, normal);
             found.places.push(over.coordinates(primitive, place, foot));
@@ -93,8 +96,15 @@ impl BaseRows {
             across: Vec::with_capacity(normals),
             distances: Mat::zeros(members.len(), unknowns + 1),
             tangential: Mat::zeros(2 * normals, unknowns + 1),
+            sides: [0; 2],
             steepness: Mat::zeros(if over.is_small() { 0 } else { members.len() }, unknowns + 1),
             upward: Vec::new(),
+        }
+    }
+
+    pub(super) fn count_side(&mut self, given: Option<Vector>, of_base: Vector) {
+        if let Some(given) = given {
+            self.sides[usize::from(dot(given, of_base) < 0.0)] += 1;
         }
     }
 

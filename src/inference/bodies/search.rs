@@ -2,7 +2,7 @@
 
 use super::candidates::{candidates, of_minorities, on_either_side};
 use super::evidence::LinearisedBase;
-use super::mode::{Candidate, FalseContacts, Mode, mode};
+use super::mode::{Candidate, Mode, mode};
 use super::sample::BodySample;
 use super::tuning::Tuning;
 use palpate_numeric::threads;
@@ -13,8 +13,7 @@ pub(super) fn modes(sample: &BodySample, tuning: &Tuning) -> Vec<Mode> {
     let few = sample.at_most(tuning.searched);
     let mut best: Vec<Mode> = Vec::new();
     keep_better(&mut best, &candidates(&few, tuning), &few, tuning);
-    let beside = best.iter().flat_map(|found| on_either_side(&found.primitive, &few, tuning));
-    let beside: Vec<Candidate> = beside.map(|start| Candidate::new(start, FalseContacts::Some, tuning)).collect();
+    let beside: Vec<Candidate> = best.iter().flat_map(|found| on_either_side(&found.primitive, &few, tuning)).collect();
     keep_better(&mut best, &beside, &few, tuning);
     if few.len() == sample.len() {
         return best;

@@ -14,9 +14,29 @@ pub use order::{Rank, median, order_statistic, quantile, upper_median, weighted_
 pub use robust::{HUBER, Loss, MAD_TO_SD, RAYLEIGH_TO_SD, huber_weight, mad, mad_about_median};
 pub use variance_component::VarianceComponent;
 
+/// ln((e^a + e^b) / 2), as of two cases that are as probable beforehand; minus infinity where both are.
+pub fn log_mean_exp(a: f64, b: f64) -> f64 {
+    let most = a.max(b);
+    if most == f64::NEG_INFINITY { most } else { most + (-(a - b).abs()).exp().ln_1p() - std::f64::consts::LN_2 }
+}
+
 /// Population standard deviation; 0 of an empty list.
 pub fn standard_deviation(values: &[f64]) -> f64 {
     let n = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / n;
     (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / n).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_mean_is_that_of_the_mean() {
+        assert!((log_mean_exp(2.0_f64.ln(), 4.0_f64.ln()) - 3.0_f64.ln()).abs() < 1e-15);
+        // neither overflows, nor is what is impossible twice anything else
+        assert!((log_mean_exp(2000.0, 2000.0) - 2000.0).abs() < 1e-12);
+        assert_eq!(log_mean_exp(f64::NEG_INFINITY, f64::NEG_INFINITY), f64::NEG_INFINITY);
+        assert!((log_mean_exp(0.0, f64::NEG_INFINITY) + std::f64::consts::LN_2).abs() < 1e-15);
+    }
 }

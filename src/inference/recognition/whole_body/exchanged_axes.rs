@@ -4,6 +4,8 @@
 //! n' = (+-n_a, +-n_b, +-n_c) for every order a, b, c        agreement = median of |n' . g|, g the surface's normal
 //! ```
 
+use crate::bodies::BodySample;
+use palpate_geometry::contact::Contacts;
 use palpate_numeric::statistics::median;
 use palpate_numeric::vector::{Vector, dot};
 
@@ -12,6 +14,13 @@ const CONTRADICT: f64 = 0.71;
 const AGREE: f64 = 0.966;
 
 const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+
+/// The same beside the normals of planes through neighbours, for contacts that are no one surface; `None` where some normals are unknown.
+pub(super) fn agreeing_order_by_neighbours(sample: &BodySample) -> Option<String> {
+    let of_places = Contacts::from_points(&sample.points).with_estimated_normals(None).ok()?;
+    let pair = |i: usize| Some((sample.normal(i)?, of_places.unit_normal(i)?));
+    agreeing_order(&(0..sample.len()).map(pair).collect::<Option<Vec<(Vector, Vector)>>>()?)
+}
 
 /// The order of columns in which the normals agree with those of the surface, where they contradict it as they stand.
 pub(super) fn agreeing_order(pairs: &[(Vector, Vector)]) -> Option<String> {

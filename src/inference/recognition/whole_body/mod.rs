@@ -22,6 +22,7 @@ use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::statistics::mad;
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
+use exchanged_axes::agreeing_order_by_neighbours;
 use normals_of_neighbours::are_alike;
 use patch_beside::{PatchBeside, PatchDoubt};
 
@@ -70,7 +71,10 @@ pub(super) fn instead(
             Ok(found) if doubt == PatchDoubt::Kind && is_as_good(&found, &sample, &things, &options.tuning) => {
                 Ok(found)
             }
-            _ => Err(several(&sample, &things)),
+            _ => Err(match agreeing_order_by_neighbours(&sample) {
+                Some(order) => RecognitionError::NormalsExchanged { order },
+                None => several(&sample, &things),
+            }),
         },
         Verdict::One(posterior) => one_instead(patch, doubt, &question.of(&posterior), normals),
         Verdict::Free { found: free, one, several } => {
