@@ -36,6 +36,10 @@ const FORWARD: &str = "palpate parts cuts it into its parts; take one part of it
 /// What a user can do with several things.
 const APART: &str = "palpate parts takes them apart; --near X,Y,Z,R or --box X0,X1,Y0,Y1,Z0,Z1 takes one of them";
 
+/// What few contacts do not tell, and what a user can do.
+const FEW_ALL_ROUND: &str = "go all round a body that is no ball, bar, cone, ring or ellipsoid, and are too few to tell what else it is: \
+     touch it at more places, all over it, with surface normals if you can";
+
 /// What a user can do about too few contacts.
 const MORE: &str = "touch a dozen places or more, spread over the patch, with surface normals if you can";
 
@@ -143,12 +147,22 @@ fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> 
             })?;
             Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: vec![note] })
         }
+        Err(RecognitionError::AllAround { .. }) if is_few(input, options) => {
+            Err(Refusal::Shape(format!("the {} contacts {FEW_ALL_ROUND}", contacts_of(input).len())))
+        }
         Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. })) => {
             Err(Refusal::several(format!("{error}: {FORWARD}"), None))
         }
         Err(error @ RecognitionError::SeveralThings { .. }) => Err(Refusal::several(format!("{error}. {APART}"), None)),
         Err(error) => Err(Refusal::Shape(error.to_string())),
     }
+}
+
+/// Whether contacts are fewer than twice as many as let a free surface take the place of a patch: more would have told a smooth body.
+fn is_few(input: &Input, options: &RecognitionOptions) -> bool {
+    let contacts = contacts_of(input);
+    let without = !matches!(contacts.orientation, Orientation::Normals { .. });
+    contacts.len() < 2 * options.tuning.free_beside_patch[usize::from(without)]
 }
 
 /// Note beside an adaptive surface that nobody named.

@@ -8,7 +8,7 @@
 use super::body_hypothesis::BodyHypothesis;
 use super::evidence::LinearisedBase;
 use super::faces::FlatFace;
-use super::mode::{Mode, log_false};
+use super::mode::{Mode, fewest, log_false};
 use super::one_sensor::of_one_sensor;
 use super::sample::BodySample;
 use super::tuning::Tuning;
@@ -18,6 +18,7 @@ use palpate_numeric::threads;
 use palpate_numeric::vector::axes_along;
 
 /// One of several things among the contacts that no thing before it holds.
+#[derive(Clone)]
 pub(super) struct FoundThing {
     pub(super) mode: Mode,
     pub(super) among: BodySample,
@@ -63,11 +64,16 @@ impl Division {
         Some(Division::rated(things, &gains, tuning))
     }
 
-    /// The planes of some faces, each in what those before it leave out.
-    pub(super) fn of_faces(faces: &[FlatFace], sample: &BodySample, tuning: &Tuning) -> Option<Division> {
+    /// Things with their gains, and the planes of some faces of what these leave out, each in what those before it leave out.
+    pub(super) fn of_faces(
+        begun: &[(f64, FoundThing)],
+        faces: &[FlatFace],
+        sample: &BodySample,
+        tuning: &Tuning,
+    ) -> Option<Division> {
         let arm = tuning.log_ratio[0].exp();
         let mut left: Vec<usize> = (0..sample.len()).collect();
-        let (mut things, mut gains) = (Vec::new(), Vec::new());
+        let (mut gains, mut things): (Vec<f64>, Vec<FoundThing>) = begun.iter().cloned().unzip();
         for face in faces.iter().filter(|face| face.members.len() > 1) {
             let among = sample.only(&left);
             let own: Vec<usize> = (0..left.len()).filter(|i| face.members.contains(&left[*i])).collect();
@@ -140,11 +146,6 @@ fn of_departures(found: &FoundThing, tuning: &Tuning) -> f64 {
 /// Log probability that all contacts are false.
 pub(super) fn of_chance(rest: &BodySample, tuning: &Tuning) -> f64 {
     (0..rest.len()).map(|i| log_false(tuning, rest.normal(i).is_some())).sum()
-}
-
-/// Contacts that a thing has at least.
-pub(super) fn fewest(sample: &BodySample, tuning: &Tuning) -> usize {
-    tuning.thing_contacts[usize::from(sample.known_normals() == sample.len())]
 }
 
 /// Kinds that do not follow two things at once.

@@ -108,6 +108,11 @@ pub(super) fn log_false(tuning: &Tuning, has_normal: bool) -> f64 {
     -tuning.reach.ln() - if has_normal { (4.0 * PI).ln() } else { 0.0 }
 }
 
+/// Contacts that a thing has at least.
+pub(super) fn fewest(sample: &BodySample, tuning: &Tuning) -> usize {
+    tuning.thing_contacts[usize::from(sample.known_normals() == sample.len())]
+}
+
 /// Whether so few contacts can tell false ones from others.
 fn may_be_false(sample: &BodySample, unknowns: usize, tuning: &Tuning) -> bool {
     let rows = sample.len() + 2 * sample.known_normals();

@@ -11,10 +11,10 @@
 //! the faces of a box of cardboard are not quite flat.
 
 use super::candidates::{nearest_to_all, on_either_side, principal};
-use super::division::{Division, FoundThing, NextThing, SIMPLE, fewest, is_simple, of_chance, of_one_thing, unknowns};
+use super::division::{Division, FoundThing, NextThing, SIMPLE, is_simple, of_chance, of_one_thing, unknowns};
 use super::evidence::LinearisedBase;
 use super::faces::faces;
-use super::mode::{Candidate, Mode, mode, next_to_all};
+use super::mode::{Candidate, Mode, fewest, mode, next_to_all};
 use super::sample::BodySample;
 use super::search::{minorities, modes};
 use super::tuning::Tuning;
@@ -75,7 +75,7 @@ fn likeliest_division(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> O
     begun.extend(is_told_by_normals.then(nearest).flatten().map(|first| (*first, nearest_thing as NextThing)));
     let divided = threads::map(begun.len(), 1, |k| Division::beginning_with(begun[k].0, begun[k].1, sample, tuning));
     let simplest = simplest_as_good(divided.into_iter().flatten().collect(), tuning);
-    let all = simplest.into_iter().chain(divisions_into_faces(sample, tuning));
+    let all = simplest.into_iter().chain(divisions_into_faces(&firsts, sample, tuning));
     all.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
 }
 
@@ -97,11 +97,26 @@ fn simplest_as_good(divided: Vec<Division>, tuning: &Tuning) -> Option<Division>
         .map(|found| Division { log_evidence, ..found })
 }
 
-/// Where contacts are few, and all normals known.
-fn divisions_into_faces(sample: &BodySample, tuning: &Tuning) -> Vec<Division> {
-    let numbers = if sample.len() <= tuning.searched { faces(sample, tuning) } else { Vec::new() };
-    let divided = threads::map(numbers.len(), 1, |k| Division::of_faces(&numbers[k], sample, tuning));
-    divided.into_iter().flatten().collect()
+/// Faces alone, and beside each of some first things, where contacts are few and all normals known.
+fn divisions_into_faces(firsts: &[(f64, &Mode)], sample: &BodySample, tuning: &Tuning) -> Vec<Division> {
+    if sample.len() > tuning.searched {
+        return Vec::new();
+    }
+    let begun: Vec<Vec<(f64, FoundThing)>> = [Vec::new()]
+        .into_iter()
+        .chain(
+            firsts.iter().map(|(log, mode)| vec![(*log, FoundThing { mode: (*mode).clone(), among: sample.clone() })]),
+        )
+        .collect();
+    let with_faces = |k: usize| {
+        let rest = begun[k].first().map_or_else(|| sample.clone(), |(_, first)| first.left());
+        let numbers = faces(&rest, tuning);
+        numbers
+            .iter()
+            .filter_map(|faces| Division::of_faces(&begun[k], faces, &rest, tuning))
+            .collect::<Vec<Division>>()
+    };
+    threads::map(begun.len(), 1, with_faces).into_iter().flatten().collect()
 }
 
 /// Modes of which others are looked for, with their log evidence: the likeliest of all, and of every simple kind the likeliest that lies

@@ -52,8 +52,10 @@ pub struct Tuning {
     pub largest_slope: f64,
     /// Scatter of single contacts, in the same unit as lengths, beyond which a primitive is no answer.
     pub largest_scatter: f64,
-    /// Contacts from which on a body of no simple kind is a free surface, with and without normals.
+    /// Contacts from which on a body of no simple kind is a free surface, with and without normals: fewer do not tell those that are left out.
     pub free_from: [usize; 2],
+    /// Contacts from which on it takes the place of a patch, which needs fewer to tell how it bends.
+    pub free_beside_patch: [usize; 2],
     /// Length of the mean normal below which contacts go all round a body: half a ball has a half.
     pub all_round: f64,
     /// Lengths of a free surface's departure from its base.
@@ -197,7 +199,8 @@ impl Default for Tuning {
             reach: 2.0,
             largest_slope: 0.12,
             largest_scatter: 0.2,
-            free_from: [20, 40],
+            free_from: [12, 24],
+            free_beside_patch: [12, 40],
             all_round: 0.5,
             free_lengths: [0.15, 0.3, 0.6, 1.2],
             free_apart: [0.4, 0.2, 0.12],

@@ -134,7 +134,10 @@ fn none_instead(
 fn free_stands(patch: &Result<Recognition, RecognitionError>, doubt: PatchDoubt, free: &answer::BodyAnswer) -> bool {
     let goes_far = doubt == PatchDoubt::AllRound || matches!(patch, Err(RecognitionError::AllAround { .. }));
     let is_other = goes_far || free.closes() || free.posterior.symmetry() != Symmetry::None;
+    let tuning = &free.options.tuning;
+    let enough = tuning.free_beside_patch[usize::from(free.sample.known_normals() == 0)];
     match patch {
+        Ok(_) if free.sample.len() < enough => false,
         Ok(found) => {
             let beside = PatchBeside::new(found, root_mean_square(&distances(found, &free.given.points)), free);
             (is_other || beside.leaves_shape()) && !beside.serves(doubt)
