@@ -60,7 +60,7 @@ impl FlatFace {
     }
 }
 
-/// Faces of all contacts in every number from the most that are told apart down to two, the largest face first; none where a normal is unknown.
+/// Faces of all contacts in every number from the most that are told apart down to one, the largest face first; none where a normal is unknown.
 pub(super) fn faces(sample: &BodySample, tuning: &Tuning) -> Vec<Vec<FlatFace>> {
     let normals: Option<Vec<Vector>> = (0..sample.len()).map(|i| sample.normal(i)).collect();
     let Some(normals) = normals else { return Vec::new() };
@@ -68,27 +68,8 @@ pub(super) fn faces(sample: &BodySample, tuning: &Tuning) -> Vec<Vec<FlatFace>> 
     let mut known: Vec<FlatFace> = (0..sample.len()).map(|i| FlatFace::of(i, sample.points[i], normals[i])).collect();
     let mut nearest: Vec<(f64, usize)> = (0..known.len()).map(|i| next_to(&known, i, arm)).collect();
     let mut found = Vec::new();
-    while known.len() > 2 {
-        let Some(first) = (0..known.len()).min_by(|a, b| nearest[*a].0.total_cmp(&nearest[*b].0)) else { break };
-        let second = nearest[first].1;
-        let (kept, gone) = (first.min(second), first.max(second));
-        known[kept] = known[kept].with(&known[gone], arm);
-        known.swap_remove(gone);
-        nearest.swap_remove(gone);
-        let moved = known.len();
-        for i in 0..known.len() {
-            let of = nearest[i].1;
-            if i == kept || of == kept || of == gone {
-                nearest[i] = next_to(&known, i, arm);
-            } else if of == moved {
-                nearest[i].1 = gone;
-            } else if i != kept {
-                let by = known[i].with(&known[kept], arm).cost - known[i].cost - known[kept].cost;
-                if by < nearest[i].0 {
-                    nearest[i] = (by, kept);
-                }
-            }
-        }
+    while known.len() > 1 {
+        merge_nearest(&mut known, &mut nearest, arm);
         if known.len() <= tuning.most_things {
             let mut by_size = known.clone();
             by_size.sort_by_key(|face| std::cmp::Reverse(face.members.len()));
@@ -98,9 +79,38 @@ pub(super) fn faces(sample: &BodySample, tuning: &Tuning) -> Vec<Vec<FlatFace>> 
     found
 }
 
+/// Merges the two faces that cost least together; of every face the one nearest to it is kept up to date.
+fn merge_nearest(known: &mut Vec<FlatFace>, nearest: &mut Vec<(f64, usize)>, arm: f64) {
+    let Some(first) = (0..known.len()).min_by(|a, b| nearest[*a].0.total_cmp(&nearest[*b].0)) else { return };
+    let second = nearest[first].1;
+    let (kept, gone) = (first.min(second), first.max(second));
+    known[kept] = known[kept].with(&known[gone], arm);
+    known.swap_remove(gone);
+    nearest.swap_remove(gone);
+    let moved = known.len();
+    for i in 0..known.len() {
+        let of = nearest[i].1;
+        if i == kept || of == kept || of == gone {
+            nearest[i] = next_to(known, i, arm);
+            continue;
+        }
+        if of == moved {
+            nearest[i].1 = gone;
+        }
+        let by = together(known, i, kept, arm);
+        if by < nearest[i].0 {
+            nearest[i] = (by, kept);
+        }
+    }
+}
+
+/// By how much two faces cost more together than each by itself.
+fn together(known: &[FlatFace], one: usize, other: usize, arm: f64) -> f64 {
+    known[one].with(&known[other], arm).cost - known[one].cost - known[other].cost
+}
+
 /// The face that costs least together with one.
 fn next_to(known: &[FlatFace], of: usize, arm: f64) -> (f64, usize) {
-    let others = (0..known.len()).filter(|i| *i != of);
-    let by = |i: usize| known[of].with(&known[i], arm).cost - known[of].cost - known[i].cost;
-    others.map(|i| (by(i), i)).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, of))
+    let others = (0..known.len()).filter(|i| *i != of).map(|i| (together(known, of, i, arm), i));
+    others.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, of))
 }

@@ -61,6 +61,28 @@ fn four_touches_of_every_side_of_a_box_are_its_six_faces() {
     }
 }
 
+/// What a first thing leaves out may be one face.
+#[test]
+fn a_bar_with_an_end_is_two_things() {
+    let mut generator = Lcg::new(5);
+    let one = |i: usize| {
+        let (sin, cos) = (std::f64::consts::TAU * generator.uniform()).sin_cos();
+        let (place, normal) = if i.is_multiple_of(3) {
+            let r = 0.5 * generator.uniform().sqrt();
+            ([r * cos, r * sin, 1.0], [0.0, 0.0, 1.0])
+        } else {
+            ([0.5 * cos, 0.5 * sin, generator.uniform()], [cos, sin, 0.0])
+        };
+        let mut noise = |sd: f64| [0; 3].map(|_| sd * gaussian(&mut generator));
+        (along(place, 1.0, noise(0.003)), unit(along(normal, 1.0, noise(0.05))))
+    };
+    let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..18).map(one).unzip();
+    let things = things_of(&BodySample::new(&points, &normals, Rounding::NONE).unwrap());
+    let mut found: Vec<(PartKind, usize)> = things.iter().map(|thing| (thing.primitive.kind, thing.contacts)).collect();
+    found.sort_by_key(|(_, contacts)| *contacts);
+    assert_eq!(found, [(PartKind::Plane, 6), (PartKind::Cylinder, 12)]);
+}
+
 #[test]
 fn walls_that_face_each_other_are_two_though_some_places_are_false() {
     let mut generator = Lcg::new(8);

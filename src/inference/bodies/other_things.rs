@@ -102,21 +102,14 @@ fn divisions_into_faces(firsts: &[(f64, &Mode)], sample: &BodySample, tuning: &T
     if sample.len() > tuning.searched {
         return Vec::new();
     }
-    let begun: Vec<Vec<(f64, FoundThing)>> = [Vec::new()]
-        .into_iter()
-        .chain(
-            firsts.iter().map(|(log, mode)| vec![(*log, FoundThing { mode: (*mode).clone(), among: sample.clone() })]),
-        )
-        .collect();
-    let with_faces = |k: usize| {
-        let rest = begun[k].first().map_or_else(|| sample.clone(), |(_, first)| first.left());
-        let numbers = faces(&rest, tuning);
-        numbers
-            .iter()
-            .filter_map(|faces| Division::of_faces(&begun[k], faces, &rest, tuning))
-            .collect::<Vec<Division>>()
+    let first = |(log, mode): &(f64, &Mode)| (*log, FoundThing { mode: (*mode).clone(), among: sample.clone() });
+    let begun: Vec<Option<(f64, FoundThing)>> = firsts.iter().map(|found| Some(first(found))).chain([None]).collect();
+    let beside = |k: usize| {
+        let rest = begun[k].as_ref().map_or_else(|| sample.clone(), |(_, first)| first.left());
+        let divided = faces(&rest, tuning).into_iter();
+        divided.filter_map(|faces| Division::of_faces(begun[k].as_slice(), &faces, &rest, tuning)).collect()
     };
-    threads::map(begun.len(), 1, with_faces).into_iter().flatten().collect()
+    threads::map(begun.len(), 1, beside).into_iter().flat_map(|found: Vec<Division>| found).collect()
 }
 
 /// Modes of which others are looked for, with their log evidence: the likeliest of all, and of every simple kind the likeliest that lies
