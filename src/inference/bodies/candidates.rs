@@ -352,6 +352,12 @@ pub(super) fn principal(sample: &BodySample) -> (Vector, [Vector; 3], [f64; 3]) 
     (middle, axes, squares)
 }
 
+/// Whether contacts lie beside a line.
+pub(super) fn spans(sample: &BodySample, tuning: &Tuning) -> bool {
+    let [_, across, along] = principal(sample).2;
+    across > tuning.row * tuning.row * along
+}
+
 /// An even set of directions on the upper half sphere, by the golden angle.
 fn directions(count: usize) -> impl Iterator<Item = Vector> {
     let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());

@@ -6,6 +6,7 @@
 //! ```
 
 use super::body_hypothesis::BodyHypothesis;
+use super::candidates::spans;
 use super::evidence::LinearisedBase;
 use super::faces::FlatFace;
 use super::mode::{Mode, fewest, log_false};
@@ -86,7 +87,7 @@ impl Division {
             left.retain(|i| !face.members.contains(i));
             things.push(FoundThing { mode, among });
         }
-        (things.len() > 1).then(|| Division::rated(things, &gains, tuning))
+        (things.len() > 1 && are_no_rows(&things, tuning)).then(|| Division::rated(things, &gains, tuning))
     }
 
     /// Things by what each gains.
@@ -114,6 +115,17 @@ impl Division {
         let departed = threads::map(self.counted, 1, |k| of_departures(&self.things[k], tuning));
         self.log_evidence + departed.iter().sum::<f64>()
     }
+}
+
+/// Whether most contacts of things belong to those that are no rows: fingers along a bar leave rows alone, each in a plane of its own, and the
+/// narrow side of a plate is one beside its wide ones.
+fn are_no_rows(things: &[FoundThing], tuning: &Tuning) -> bool {
+    let counts = |thing: &FoundThing| {
+        let own = thing.mode.members();
+        [own.len(), if spans(&thing.among.only(&own), tuning) { own.len() } else { 0 }]
+    };
+    let [all, beside_lines] = things.iter().map(counts).fold([0, 0], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
+    2 * beside_lines > all
 }
 
 /// Whether things hold the contacts but for a few, or for fewer than a thing has: else further ones are what is near the first two.

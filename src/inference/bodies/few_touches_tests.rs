@@ -61,6 +61,21 @@ fn four_touches_of_every_side_of_a_box_are_its_six_faces() {
     }
 }
 
+/// Fingers that slide along a trough leave rows, each of which lies in a plane with its normals.
+#[test]
+fn rows_along_a_trough_are_no_planes() {
+    let mut generator = Lcg::new(6);
+    for fingers in [3, 4] {
+        let one = |i: usize| {
+            let x = (i % fingers) as f64 - 0.5 * (fingers - 1) as f64;
+            ([x, 0.4 * (i / fingers) as f64, 0.1 * x * x + 1e-6 * gaussian(&mut generator)], unit([-0.2 * x, 0.0, 1.0]))
+        };
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..7 * fingers).map(one).unzip();
+        let sample = BodySample::new(&points, &normals, Rounding::NONE).unwrap();
+        assert!(!matches!(infer(&sample, &Tuning::default()), Verdict::Several(_)));
+    }
+}
+
 /// What a first thing leaves out may be one face.
 #[test]
 fn a_bar_with_an_end_is_two_things() {

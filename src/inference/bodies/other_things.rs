@@ -10,7 +10,7 @@
 //! one smooth surface of any shape: pieces of a wave are not more probable than the wave. Beside a free surface each thing departs as well:
 //! the faces of a box of cardboard are not quite flat.
 
-use super::candidates::{nearest_to_all, on_either_side, principal};
+use super::candidates::{nearest_to_all, on_either_side, spans};
 use super::division::{Division, FoundThing, NextThing, SIMPLE, is_simple, of_chance, of_one_thing, unknowns};
 use super::evidence::LinearisedBase;
 use super::faces::faces;
@@ -20,12 +20,6 @@ use super::search::{minorities, modes};
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::threads;
-
-/// Whether contacts lie beside a line.
-fn spans(sample: &BodySample, tuning: &Tuning) -> bool {
-    let [_, across, along] = principal(sample).2;
-    across > tuning.row * tuning.row * along
-}
 
 /// A primitive and how many contacts are its own.
 #[derive(Clone, Copy, Debug)]
