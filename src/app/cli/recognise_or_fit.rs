@@ -147,10 +147,11 @@ fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> 
             })?;
             Ok(Found { answer: Answer::Fitted(found), chosen, lack_of_fit: None, notes: vec![note] })
         }
-        Err(RecognitionError::AllAround { .. }) if is_few(input, options) => {
-            Err(Refusal::Shape(format!("the {} contacts {FEW_ALL_ROUND}", contacts_of(input).len())))
-        }
         Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::AllAround { .. })) => {
+            let contacts = contacts_of(input);
+            if matches!(error, RecognitionError::AllAround { .. }) && are_few(&contacts, options) {
+                return Err(Refusal::Shape(format!("the {} contacts {FEW_ALL_ROUND}", contacts.len())));
+            }
             Err(Refusal::several(format!("{error}: {FORWARD}"), None))
         }
         Err(error @ RecognitionError::SeveralThings { .. }) => Err(Refusal::several(format!("{error}. {APART}"), None)),
@@ -159,8 +160,7 @@ fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> 
 }
 
 /// Whether contacts are fewer than twice as many as let a free surface take the place of a patch: more would have told a smooth body.
-fn is_few(input: &Input, options: &RecognitionOptions) -> bool {
-    let contacts = contacts_of(input);
+fn are_few(contacts: &Contacts, options: &RecognitionOptions) -> bool {
     let without = !matches!(contacts.orientation, Orientation::Normals { .. });
     contacts.len() < 2 * options.tuning.free_beside_patch[usize::from(without)]
 }

@@ -1,7 +1,7 @@
 //! The weighted hypotheses about one thing, and what they say of kind and symmetry.
 
 use super::body_hypothesis::BodyHypothesis;
-use super::candidates::on_either_side;
+use super::candidates::is_between;
 use super::coordinates::Symmetry;
 use super::mode::is_possible;
 use super::sample::BodySample;
@@ -94,8 +94,7 @@ impl BodyPosterior {
     /// Whether the likeliest kind holds nearly all contacts without a departure, and not between two sheets or walls.
     pub(super) fn is_exact(&self, sample: &BodySample, tuning: &Tuning) -> bool {
         let is_plain = self.weight_without_departure() > 0.5 && self.false_share(sample) < tuning.other_things;
-        let is_between = |found: &Primitive| !on_either_side(found, sample, tuning).is_empty();
-        is_plain && self.likeliest(self.kind()).is_some_and(|found| !is_between(&found))
+        is_plain && self.likeliest(self.kind()).is_some_and(|found| !is_between(&found, sample, tuning))
     }
 
     /// The likeliest hypothesis of one kind.

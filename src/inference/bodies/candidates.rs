@@ -19,7 +19,7 @@ use crate::primitives::starts::starts;
 use palpate_geometry::contact::Contacts;
 use palpate_numeric::draws::Lcg;
 use palpate_numeric::linalg::small::{Square, cholesky, eigen, solve};
-use palpate_numeric::statistics::median;
+use palpate_numeric::statistics::{kurtosis_about_zero, median};
 use palpate_numeric::vector::{Vector, along, axes_along, cross, dot};
 
 /// Whether contacts may be false in the starts that are nearest by each of the three ratings.
@@ -48,12 +48,13 @@ pub(super) fn candidates(sample: &BodySample, tuning: &Tuning) -> Vec<Candidate>
 pub(super) fn of_minorities(sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
     let mut all = Vec::new();
     // a set lies on its own plane, so that as many contacts as a thing has at least must be near
-    let least = (MINORITY * tuning.other_things).max((fewest(sample, tuning) - 1) as f64 / sample.len() as f64);
+    let least =
+        (MINORITY * tuning.other_things).max(fewest(sample, tuning).saturating_sub(1) as f64 / sample.len() as f64);
     for_each_kind(sample, tuning, |kind, starts| {
         if matches!(kind, PartKind::Torus | PartKind::Ellipsoid) {
             return;
         }
-        let mut rated = rated_by_normals(starts, sample, tuning, |distances| [at(distances, least)]);
+        let mut rated = rated(starts, sample, tuning.log_ratio[0].exp(), |distances| [at(distances, least)]);
         rated.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
         let found = rated.into_iter().take(tuning.followed[0]);
         all.extend(found.map(|(_, start)| Candidate {
@@ -73,7 +74,7 @@ pub(super) fn nearest_to_all(kind: PartKind, sample: &BodySample, tuning: &Tunin
         of_kind.extend(closed_forms(kind, sample));
     }
     of_kind.retain(is_possible);
-    let rated = rated(of_kind, sample, |distances| [distances.iter().map(|d| d * d).sum::<f64>()]);
+    let rated = rated(of_kind, sample, 0.0, |distances| [distances.iter().map(|d| d * d).sum::<f64>()]);
     rated.into_iter().min_by(|a, b| a.0[0].total_cmp(&b.0[0])).map(|(_, start)| start)
 }
 
@@ -106,21 +107,29 @@ pub(super) fn on_either_side(found: &Primitive, sample: &BodySample, tuning: &Tu
     moved.chain(facing(found, sample, tuning)).collect()
 }
 
-/// Fitted to the contacts whose normals point to one side of a primitive, and to those to the other, where both are many enough to be a thing.
+/// Whether a primitive lies between two sheets, or between walls that face each other.
+pub(super) fn is_between(found: &Primitive, sample: &BodySample, tuning: &Tuning) -> bool {
+    let distances: Vec<f64> = sample.points.iter().map(|p| found.nearest(*p).0).collect();
+    lie_on_two_sheets(&distances, tuning) || by_side_of_normals(found, sample, tuning).is_some()
+}
+
+/// Fitted to the contacts whose normals point to one side of a primitive, and to those to the other.
 fn facing(found: &Primitive, sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
-    let side = |i: usize| Some(dot(sample.normal(i)?, found.nearest(sample.points[i]).1) > 0.0);
-    let of_side = |out: bool| (0..sample.len()).filter(|i| side(*i) == Some(out)).collect::<Vec<usize>>();
-    let sides = [of_side(true), of_side(false)];
-    let share = |own: &[usize]| own.len() as f64 / sample.len() as f64;
-    if sides.iter().any(|own| share(own) < tuning.other_things) {
-        return Vec::new();
-    }
     let about = |own: Vec<usize>| {
         let start = Mode::of_members(found, &own, sample, tuning)?.primitive;
-        let share = tuning.surely_own * share(&own);
+        let share = tuning.surely_own * own.len() as f64 / sample.len() as f64;
         Some(Candidate { start, strays: FalseContacts::Some, share, of_own: tuning.surely_own })
     };
-    sides.into_iter().filter_map(about).filter(|found| is_possible(&found.start)).collect()
+    let sides = by_side_of_normals(found, sample, tuning).into_iter().flatten();
+    sides.filter_map(about).filter(|found| is_possible(&found.start)).collect()
+}
+
+/// Contacts by the side of a primitive to which their normals point; `None` where those to one are too few to be a thing.
+fn by_side_of_normals(found: &Primitive, sample: &BodySample, tuning: &Tuning) -> Option<[Vec<usize>; 2]> {
+    let side = |i: usize| Some(dot(sample.normal(i)?, found.nearest(sample.points[i]).1) > 0.0);
+    let sides = [true, false].map(|out| (0..sample.len()).filter(|i| side(*i) == Some(out)).collect::<Vec<usize>>());
+    let least = tuning.other_things * sample.len() as f64;
+    sides.iter().all(|own| own.len() as f64 >= least).then_some(sides)
 }
 
 /// Whether distances have a kurtosis near 1, the farthest counted or, since they may be false, not.
@@ -129,14 +138,7 @@ fn lie_on_two_sheets(distances: &[f64], tuning: &Tuning) -> bool {
     sizes.sort_unstable_by(f64::total_cmp);
     let twice_expected = 2.0 / (1.0 + tuning.false_prior);
     let nearer = &sizes[..((1.0 - twice_expected) * sizes.len() as f64).ceil() as usize];
-    kurtosis(&sizes).min(kurtosis(nearer)) <= tuning.two_peaks
-}
-
-/// Of distances about 0; infinite where all are 0.
-fn kurtosis(distances: &[f64]) -> f64 {
-    let moment = |power: i32| distances.iter().map(|d| d.powi(power)).sum::<f64>() / distances.len() as f64;
-    let found = moment(4) / moment(2).powi(2);
-    if found.is_nan() { f64::INFINITY } else { found }
+    kurtosis_about_zero(&sizes).min(kurtosis_about_zero(nearer)) <= tuning.two_peaks
 }
 
 /// The parallel surface at a distance.
@@ -153,7 +155,7 @@ fn beside(found: &Primitive, by: f64) -> Primitive {
 
 /// The starts whose distances are least: by quantiles where contacts may be false, by the mean square where none is.
 fn nearest(starts: Vec<Primitive>, sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
-    let rated = rated(starts, sample, |distances| {
+    let rated = rated(starts, sample, 0.0, |distances| {
         [at(distances, tuning.surely_own), at(distances, 0.5), distances.iter().map(|d| d * d).sum::<f64>()]
     });
     let mut taken: Vec<Candidate> = Vec::new();
@@ -176,30 +178,16 @@ fn at(distances: &[f64], share: f64) -> f64 {
     distances.get(number).copied().unwrap_or(f64::INFINITY)
 }
 
-/// Starts with their ratings by the contacts' distances, in ascending order.
+/// Starts with their ratings by the contacts' distances, in ascending order: off the surface, and of normals off its own by a lever of some
+/// length.
 fn rated<const N: usize>(
     starts: Vec<Primitive>,
     sample: &BodySample,
+    lever: f64,
     rates: impl Fn(&[f64]) -> [f64; N],
 ) -> Vec<([f64; N], Primitive)> {
+    let offset = |(d, off): (f64, Option<f64>)| d.hypot(lever * off.map_or(0.0, f64::sqrt));
     let rate = |start: Primitive| {
-        let mut distances: Vec<f64> = sample.points.iter().map(|p| start.nearest(*p).0.abs()).collect();
-        distances.sort_unstable_by(f64::total_cmp);
-        (rates(&distances), start)
-    };
-    starts.into_iter().map(rate).filter(|(rates, _)| rates.iter().all(|rate| rate.is_finite())).collect()
-}
-
-/// The same by distances and offsets of normals together, these as much longer as a sensor's mostly are.
-fn rated_by_normals<const N: usize>(
-    starts: Vec<Primitive>,
-    sample: &BodySample,
-    tuning: &Tuning,
-    rates: impl Fn(&[f64]) -> [f64; N],
-) -> Vec<([f64; N], Primitive)> {
-    let arm = tuning.log_ratio[0].exp();
-    let rate = |start: Primitive| {
-        let offset = |(d, off): (f64, Option<f64>)| d.hypot(arm * off.map_or(0.0, f64::sqrt));
         let mut distances: Vec<f64> = offsets(&start, sample).into_iter().map(offset).collect();
         distances.sort_unstable_by(f64::total_cmp);
         (rates(&distances), start)

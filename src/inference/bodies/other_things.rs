@@ -75,20 +75,16 @@ fn likeliest_division(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> O
 
 /// Of divisions that are as good the one that begins with the simplest thing; in which order its things were found is nothing that it says.
 fn simplest_as_good(divided: Vec<Division>, tuning: &Tuning) -> Option<Division> {
-    let most = |found: &[&Division]| found.iter().map(|found| found.log_evidence).fold(f64::NEG_INFINITY, f64::max);
-    let least = most(&divided.iter().collect::<Vec<&Division>>()) - tuning.clearly;
-    let as_good: Vec<Division> = divided.into_iter().filter(|found| found.log_evidence > least).collect();
+    let most = |found: &mut dyn Iterator<Item = &Division>| {
+        found.map(|found| found.log_evidence).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let least = most(&mut divided.iter()) - tuning.clearly;
+    let mut as_good: Vec<Division> = divided.into_iter().filter(|found| found.log_evidence > least).collect();
     let of_first = |found: &Division| unknowns(&found.things[0].mode);
-    let by_first =
-        |a: &&Division, b: &&Division| of_first(a).cmp(&of_first(b)).then(b.log_evidence.total_cmp(&a.log_evidence));
-    let kinds = as_good.iter().min_by(by_first)?.kinds();
-    let same: Vec<&Division> = as_good.iter().filter(|found| found.kinds() == kinds).collect();
-    let log_evidence = most(&same);
-    as_good
-        .into_iter()
-        .filter(|found| found.kinds() == kinds)
-        .min_by(|a, b| by_first(&a, &b))
-        .map(|found| Division { log_evidence, ..found })
+    as_good.sort_by(|a, b| of_first(a).cmp(&of_first(b)).then(b.log_evidence.total_cmp(&a.log_evidence)));
+    let kinds = as_good.first()?.kinds();
+    let log_evidence = most(&mut as_good.iter().filter(|found| found.kinds() == kinds));
+    as_good.into_iter().next().map(|found| Division { log_evidence, ..found })
 }
 
 /// Faces alone, and beside each of some first things, where contacts are few and all normals known.

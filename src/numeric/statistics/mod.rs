@@ -20,6 +20,13 @@ pub fn log_mean_exp(a: f64, b: f64) -> f64 {
     if most == f64::NEG_INFINITY { most } else { most + (-(a - b).abs()).exp().ln_1p() - std::f64::consts::LN_2 }
 }
 
+/// Fourth moment over the square of the second, both about 0; infinite where all values are 0.
+pub fn kurtosis_about_zero(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let [second, fourth] = [2, 4].map(|power| values.iter().map(|v| v.powi(power)).sum::<f64>() / count);
+    if second > 0.0 { fourth / (second * second) } else { f64::INFINITY }
+}
+
 /// Population standard deviation; 0 of an empty list.
 pub fn standard_deviation(values: &[f64]) -> f64 {
     let n = values.len().max(1) as f64;
@@ -30,6 +37,14 @@ pub fn standard_deviation(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_kurtosis_of_two_values_is_1_and_of_nothing_infinite() {
+        assert_eq!(kurtosis_about_zero(&[2.0, -2.0, 2.0]), 1.0);
+        assert_eq!(kurtosis_about_zero(&[1.0, -1.0, 0.0, 0.0]), 2.0);
+        assert_eq!(kurtosis_about_zero(&[0.0, 0.0]), f64::INFINITY);
+        assert_eq!(kurtosis_about_zero(&[]), f64::INFINITY);
+    }
 
     #[test]
     fn a_log_mean_is_that_of_the_mean() {
