@@ -1,7 +1,7 @@
 //! Work on several threads, or on one where the feature `threads` is off: the same calls, in the same pieces, the same bits.
 //!
 //! Every caller cuts its work into pieces that do not depend on the number of threads, and adds their results in a
-//! fixed order. Without the feature the pieces are done one after another, and neither rayon nor faer's threads are built.
+//! fixed order. A piece that takes no longer than handing it over is done where it is. Without the feature the pieces are done one after another, and neither rayon nor faer's threads are built.
 
 #[cfg(feature = "threads")]
 pub use several::{alone, any, each, join, map, map_with, try_map};
@@ -52,6 +52,19 @@ mod several {
     pub fn each<T: Send>(items: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
         items.par_iter_mut().enumerate().for_each(|(k, item)| f(k, item));
     }
+}
+
+/// Multiply-adds of either half from which on another thread is asked to take it: they take a few times as long as a thread that
+/// sleeps needs to wake up.
+const WORTH_WAKING: usize = 300_000;
+
+/// [`join`] of two halves of so many multiply-adds each; of small ones one after the other.
+pub fn join_if_long<A: Send, B: Send>(
+    products: usize,
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if products < WORTH_WAKING { (a(), b()) } else { join(a, b) }
 }
 
 /// The same functions on the calling thread; they are compiled in every build, so that they cannot fall behind.

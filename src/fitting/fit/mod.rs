@@ -242,6 +242,11 @@ impl Fit {
         &self.solved.fitted.equations
     }
 
+    /// Coefficients of which the data say nothing or next to nothing, whether or not a roughness penalty told them.
+    pub fn without_data(&self) -> Vec<usize> {
+        Free::find(&self.equations().data_matrix(), false).list()
+    }
+
     /// lambda of the roughness penalty as it was asked for or found; 0 without.
     pub fn smoothing(&self) -> f64 {
         // extreme weights were multiplied by a power of two, and the penalty by its square

@@ -134,7 +134,9 @@ impl BandCholesky {
         }
         let forwards = Numbering { matrix, scale, reversed: false };
         let backwards = Numbering { matrix, scale, reversed: true };
-        let (a, b) = crate::threads::join(
+        let products = end * block.reach * block.reach;
+        let (a, b) = crate::threads::join_if_long(
+            products,
             || left.eliminate(isa, block, end, &forwards),
             || right.eliminate(isa, block, end, &backwards),
         );
@@ -230,7 +232,8 @@ impl BandCholesky {
         }
         let ends = self.end_block;
         let [mut left, mut right] = [&mut self.left, &mut self.right].map(|part| std::mem::take(&mut part.vector));
-        crate::threads::join(
+        crate::threads::join_if_long(
+            end * ends.reach,
             || self.left.back(isa, ends, end, &mut left),
             || self.right.back(isa, ends, end, &mut right),
         );
@@ -251,7 +254,8 @@ impl BandCholesky {
         if end > 0 {
             left[..end].copy_from_slice(&v[..end]);
             right[..end].iter_mut().zip(v.iter().rev()).for_each(|(t, s)| *t = *s);
-            crate::threads::join(
+            crate::threads::join_if_long(
+                end * ends.reach,
                 || self.left.forth(isa, ends, end, &mut left),
                 || self.right.forth(isa, ends, end, &mut right),
             );
@@ -272,7 +276,8 @@ impl BandCholesky {
                 left[end + k] = centre[k];
                 right[end + middle - 1 - k] = centre[k];
             }
-            crate::threads::join(
+            crate::threads::join_if_long(
+                end * ends.reach,
                 || self.left.back(isa, ends, end, &mut left),
                 || self.right.back(isa, ends, end, &mut right),
             );

@@ -207,8 +207,9 @@ impl BandCholesky {
                 if reversed { entry(middle - 1 - i, middle - 1 - k) } else { entry(i, k) }
             })
         };
-        let (left, right) =
-            crate::threads::join(|| one(&self.left, &forwards, false), || one(&self.right, &backwards, true));
+        let products = self.end * self.end_block.reach * self.end_block.reach;
+        let halves = (|| one(&self.left, &forwards, false), || one(&self.right, &backwards, true));
+        let (left, right) = crate::threads::join_if_long(products, halves.0, halves.1);
         sum + left + right
     }
 

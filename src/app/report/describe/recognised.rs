@@ -32,7 +32,7 @@ pub(super) fn found<'a>(found: &'a Recognition, subject: &Subject<'a>) -> Result
     // samples of the surface support all coefficients of a map into space
     let (surface, saved_frame, unsupported) = match found.spline()? {
         RecognisedSpline::Height { surface, fit } => {
-            (AnySurface::Height(surface), *fit.frame(), fit.certificate().unsupported.clone())
+            (AnySurface::Height(surface), *fit.frame(), fit.without_data())
         }
         RecognisedSpline::Parametric { surface, support } => {
             (AnySurface::Parametric(surface, support), found.frame, Vec::new())

@@ -67,6 +67,12 @@ impl Equations {
         Equations { matrices: Some(Arc::new(DataMatrices { whole, of_kinds })), ..self }
     }
 
+    /// `E'E` of all rows.
+    pub(crate) fn data_matrix(&self) -> StencilMatrix {
+        let assembled = || data_normal_matrix(&self.sites, &self.row_weights);
+        self.matrices.as_ref().map_or_else(assembled, |matrices| matrices.whole.clone())
+    }
+
     /// `E'E` of the rows of one kind.
     pub(crate) fn data_matrix_of(&self, kind: RowKind) -> StencilMatrix {
         match &self.matrices {
@@ -114,8 +120,7 @@ impl Equations {
 
     /// `E'E + lambda P`, from Kronecker Grams where a grid's weights allow it.
     pub fn normal_matrix(&self) -> StencilMatrix {
-        let assembled = || data_normal_matrix(&self.sites, &self.row_weights);
-        let mut matrix = self.matrices.as_ref().map_or_else(assembled, |matrices| matrices.whole.clone());
+        let mut matrix = self.data_matrix();
         if let Some(rough) = &self.roughness {
             matrix.add_scaled(rough.lambda, &rough.penalty);
         }
