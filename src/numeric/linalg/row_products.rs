@@ -13,6 +13,7 @@ use super::grid_assembly::assemble_grid;
 use super::grid_rows::{GridRows, visit_cells, visit_lines};
 use super::sites::{RowWeights, Site, SiteWeights, Sites, Targets, add_transposed, site_rows};
 use super::stencil::{StencilMatrix, TensorShape};
+use crate::simd::{Isa, gram_rows};
 use crate::work;
 
 /// Weights that leave every row as it is.
@@ -125,7 +126,7 @@ pub fn assemble(sites: &impl Sites, row_weights: &RowWeights, out: &mut StencilM
     {
         return assemble_grid(axes, |r| [weights[r].z, weights[r].a, weights[r].d].map(|w| w * w), out);
     }
-    let mut local = LocalMatrix::new(shape);
+    let mut local = LocalMatrix::new(shape, sites.len());
     sites.visit(|site| {
         if site.first != local.first {
             local.scatter(out);
@@ -136,83 +137,84 @@ pub fn assemble(sites: &impl Sites, row_weights: &RowWeights, out: &mut StencilM
     local.scatter(out);
 }
 
-/// One cell's matrix, of which only the blocks with `k <= a` in x are kept: entry `[a, k <= a][b, l]`.
+/// Numbers in a whole set of lanes.
+const LANES: usize = 8;
+
+/// Rows of one cell that wait to be added to its matrix: a tile of the matrix stays in registers over all of them.
+const WAITING: usize = 96;
+
+/// One cell's matrix, its lower triangle, by the basis functions `(a, b)` of the cell.
 struct LocalMatrix {
     first: [usize; 2],
     width: [usize; 2],
+    /// Entries of a row of the matrix, and of a waiting row: whole sets of lanes.
+    stride: usize,
+    rows: Vec<f64>,
+    matrix: Vec<f64>,
     touched: bool,
-    blocks: Vec<f64>,
-    y_products: Vec<[f64; 3]>,
     columns: usize,
+    isa: Isa,
 }
 
 impl LocalMatrix {
-    fn new(shape: TensorShape) -> LocalMatrix {
+    fn new(shape: TensorShape, sites: usize) -> LocalMatrix {
         let width = shape.degree.map(|d| d + 1);
-        let blocks = width[0] * (width[0] + 1) / 2 * width[1] * width[1];
+        let stride = (width[0] * width[1]).next_multiple_of(LANES);
         LocalMatrix {
             first: [0, 0],
             width,
+            stride,
+            rows: Vec::with_capacity(WAITING * stride),
+            matrix: vec![0.0; stride * stride],
             touched: false,
-            blocks: vec![0.0; blocks],
-            y_products: vec![[0.0; 3]; width[1] * width[1]],
             columns: shape.basis[1],
+            isa: Isa::for_work(sites),
         }
     }
 
     fn add(&mut self, site: &Site, w: &SiteWeights) {
-        self.touched = true;
-        let square = self.width[1] * self.width[1];
-        for b in 0..self.width[1] {
-            for l in 0..self.width[1] {
-                self.y_products[b * self.width[1] + l] =
-                    [site.y[b] * site.y[l], site.y[b] * site.dy[l], site.dy[b] * site.dy[l]];
-            }
+        if self.rows.len() + 3 * self.stride > WAITING * self.stride {
+            self.gather();
         }
-        let (zz, aa, ab, dd) = (w.z * w.z, w.a * w.a, w.a * w.b, w.b * w.b + w.d * w.d);
-        let mut blocks = self.blocks.chunks_exact_mut(square);
-        for a in 0..self.width[0] {
-            for k in 0..=a {
-                let Some(block) = blocks.next() else { return };
-                let values = site.x[a] * site.x[k];
-                let (along, across) = (zz * values + aa * site.dx[a] * site.dx[k], dd * values);
-                for (target, y) in block.iter_mut().zip(&self.y_products) {
-                    *target += along * y[0] + across * y[2];
-                }
-                if ab != 0.0 {
-                    let (left, right) = (ab * site.dx[a] * site.x[k], ab * site.x[a] * site.dx[k]);
-                    for b in 0..self.width[1] {
-                        for l in 0..self.width[1] {
-                            block[b * self.width[1] + l] += left * self.y_products[b * self.width[1] + l][1]
-                                + right * self.y_products[l * self.width[1] + b][1];
-                        }
-                    }
-                }
+        // weights of N_a M_b, N'_a M_b and N_a M'_b in each row
+        for [w_value, w_x, w_y] in [[w.z, 0.0, 0.0], [0.0, w.a, w.b], [0.0, 0.0, w.d]] {
+            if w_value == 0.0 && w_x == 0.0 && w_y == 0.0 {
+                continue;
+            }
+            let start = self.rows.len();
+            self.rows.resize(start + self.stride, 0.0);
+            let along = site.x.iter().zip(site.dx);
+            for (part, (x, dx)) in self.rows[start..].chunks_exact_mut(self.width[1]).zip(along) {
+                let (of_value, of_slope) = (w_value * x + w_x * dx, w_y * x);
+                let across = site.y.iter().zip(site.dy);
+                part.iter_mut().zip(across).for_each(|(row, (y, dy))| *row = of_value * y + of_slope * dy);
             }
         }
     }
 
+    /// Adds the waiting rows to the matrix.
+    fn gather(&mut self) {
+        self.touched |= !self.rows.is_empty();
+        gram_rows(self.isa, self.stride, &self.rows, &mut self.matrix);
+        self.rows.clear();
+    }
+
     fn scatter(&mut self, out: &mut StencilMatrix) {
+        self.gather();
         if !self.touched {
             return;
         }
-        let q = self.width[1] - 1;
-        let mut entries = self.blocks.iter_mut();
-        for a in 0..self.width[0] {
-            for k in 0..=a {
-                for b in 0..self.width[1] {
-                    let row = (self.first[0] + a) * self.columns + self.first[1] + b;
-                    for l in 0..self.width[1] {
-                        let Some(entry) = entries.next() else { return };
-                        if a > k || l <= b {
-                            let position = out.position(row, a - k, l + q - b);
-                            out.values_mut()[position] += *entry;
-                        }
-                        *entry = 0.0;
-                    }
-                }
+        let [_, m] = self.width;
+        for row in 0..self.width[0] * m {
+            let (a, b) = (row / m, row % m);
+            let unknown = (self.first[0] + a) * self.columns + self.first[1] + b;
+            for column in 0..=row {
+                let (k, l) = (column / m, column % m);
+                let position = out.position(unknown, a - k, l + m - 1 - b);
+                out.values_mut()[position] += self.matrix[row * self.stride + column];
             }
         }
+        self.matrix.fill(0.0);
         self.touched = false;
     }
 }

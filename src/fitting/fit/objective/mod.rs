@@ -32,7 +32,16 @@ use setting::Setting;
 use slopes::fit_slopes;
 
 /// A plain least squares fit, as smoothing and losses repeat it.
-type PlainFit = fn(&Patch, &Data, &FitOptions, &Budget) -> Result<Fitted, FitError>;
+type PlainFit = fn(&Patch, &Data, &FitOptions, &Budget, Course) -> Result<Fitted, FitError>;
+
+/// How far a plain fit is taken.
+#[derive(Clone, Copy, Debug)]
+enum Course<'a> {
+    /// To the answer: its steps become rounding, and what they leave is bounded.
+    Answer,
+    /// From the coefficients of one like it, to where a loop that repeats it can go on.
+    From(&'a [f64]),
+}
 
 /// Forms and solves the rows, with the smoothing and the loss that the options ask for.
 ///
@@ -53,7 +62,7 @@ pub(super) fn fit_rows(patch: &Patch, data: &Data, options: &FitOptions) -> Resu
 fn fit_in_place(patch: &Patch, data: &Data, options: &FitOptions, budget: &Budget) -> Result<Fitted, FitError> {
     match (options.smooth, options.robust) {
         (Smooth::Auto, _) => smoothing::fit_smoothed(patch, data, options, (fit_plain, budget)),
-        (_, Robust::None) => fit_plain(patch, data, options, budget),
+        (_, Robust::None) => fit_plain(patch, data, options, budget, Course::Answer),
         (_, Robust::Huber | Robust::Tukey) => robust::fit_with_loss(patch, data, options, (fit_plain, budget)),
     }
 }
@@ -68,13 +77,19 @@ enum Rows {
 ///
 /// # Errors
 /// Where the data do not suit the objective or the method, or determine no surface.
-fn fit_plain(patch: &Patch, data: &Data, options: &FitOptions, budget: &Budget) -> Result<Fitted, FitError> {
+fn fit_plain(
+    patch: &Patch,
+    data: &Data,
+    options: &FitOptions,
+    budget: &Budget,
+    course: Course,
+) -> Result<Fitted, FitError> {
     let setting = Setting::new(patch, data, options, budget)?;
     let mut fitted = match choose_rows(data, options)? {
-        Rows::Normals(sigma) => fit_normals(&setting, sigma)?,
+        Rows::Normals(sigma) => fit_normals(&setting, sigma, course)?,
         Rows::Slopes(weights) => {
             data.check_slopes()?;
-            fit_slopes(&setting, weights)?
+            fit_slopes(&setting, weights, course)?
         }
     };
     if !patch.frame.keeps_axes() {

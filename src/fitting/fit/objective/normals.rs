@@ -10,17 +10,21 @@ use crate::fit::noise::components::{CONVERGED, Estimate, Trial, TrialRequest, va
 use crate::fit::noise::record::NoiseRecord;
 use crate::fit::noise::sds::{NoiseSds, NoiseSource, RowSds};
 use crate::fit::notes::Note;
-use crate::fit::objective::fitted::Fitted;
+use crate::fit::objective::Course;
+use crate::fit::objective::fitted::{Fitted, Iteration};
 use crate::fit::objective::gauss_newton::{AT_ROUNDING, Minimum, NormalProblem};
 use crate::fit::objective::setting::{Setting, check_count};
 use crate::fit::{FitError, NormalSigma};
 use palpate_numeric::linalg::Sites;
 
+/// A move of this share of the largest coefficient ends a fit that a loop repeats: it changes a weight by less than the loop asks for.
+const BETWEEN: f64 = 1e-8;
+
 /// Fits heights and normals with these noise sds.
 ///
 /// # Errors
 /// Where a normal points down, the rows are too few, or Gauss-Newton does not converge.
-pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitted, FitError> {
+pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma, course: Course) -> Result<Fitted, FitError> {
     setting.data.check_normals()?;
     let measured = setting.data.measured();
     let spare = RefCell::new(None);
@@ -41,7 +45,11 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
     let (Estimate { sds, trial, steps, note, dof }, source) = match sigma {
         NormalSigma::Known { z, normal_deg } => {
             let sds = RowSds { z: z / setting.scale, slope: normal_deg.to_radians() };
-            let trial = trial_at(TrialRequest { sds, start: None, tolerance: CONVERGED })?;
+            let (start, tolerance) = match course {
+                Course::Answer => (None, CONVERGED),
+                Course::From(start) => (Some(start), BETWEEN),
+            };
+            let trial = trial_at(TrialRequest { sds, start, tolerance })?;
             let steps = trial.steps;
             (Estimate { sds, trial, steps, note: None, dof: [f64::INFINITY; 2] }, NoiseSource::Sigma)
         }
@@ -49,9 +57,16 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma) -> Result<Fitte
     };
     let Trial { equations, solution, .. } = trial;
     let problem = at(sds);
-    let polished = problem.polish(Minimum { equations, solution, steps, moved: 0.0, step: Vec::new() })?;
-    let iteration = problem.iteration(&polished);
-    let Minimum { equations, solution, steps, moved, .. } = polished;
+    let found = Minimum { equations, solution, steps, moved: 0.0, step: Vec::new() };
+    let (found, iteration) = match course {
+        Course::From(_) => (found, Iteration::NONE),
+        Course::Answer => {
+            let polished = problem.polish(found)?;
+            let iteration = problem.iteration(&polished);
+            (polished, iteration)
+        }
+    };
+    let Minimum { equations, solution, steps, moved, .. } = found;
     let mut notes = Vec::from_iter(note);
     if measured.z_weight.iter().all(|w| *w == 0.0) {
         notes.push(Note::SlopesOnly);

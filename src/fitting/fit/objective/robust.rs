@@ -12,7 +12,7 @@ use crate::fit::noise::record::NoiseRecord;
 use crate::fit::noise::sds::{MEDIAN_EFFICIENCY, NoiseSds, NoiseSource};
 use crate::fit::noise::traces::hat_traces;
 use crate::fit::notes::Note;
-use crate::fit::objective::PlainFit;
+use crate::fit::objective::{Course, PlainFit};
 use crate::fit::objective::budget::Budget;
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::placing::Patch;
@@ -53,7 +53,7 @@ pub(super) fn fit_with_loss(
     options: &FitOptions,
     (plain, budget): (PlainFit, &Budget),
 ) -> Result<Fitted, FitError> {
-    let start = plain(patch, data, options, budget)?;
+    let start = plain(patch, data, options, budget, Course::Answer)?;
     if options.robust == Robust::None {
         return Ok(start);
     }
@@ -93,9 +93,11 @@ fn reweight(
         let moves = (0..2).flat_map(|b| next[b].iter().zip(&found.weights[b]).map(|(a, b)| (a - b).abs()));
         let moved = moves.fold(0.0_f64, f64::max);
         let declared = with_scales(patch, data, options, scales);
-        let refitted = plain(patch, &data.reweighted(&next[0], &next[1]), &declared, budget);
-        let mut fitted = refitted.map_err(|fault| too_few_left(fault, loss))?;
         let is_last = moved < CONVERGED || step == MAX_STEPS || budget.is_spent();
+        // weights that still move need no digits that the next ones change
+        let course = if is_last { Course::Answer } else { Course::From(&found.fitted.solution.coefficients) };
+        let refitted = plain(patch, &data.reweighted(&next[0], &next[1]), &declared, budget, course);
+        let mut fitted = refitted.map_err(|fault| too_few_left(fault, loss))?;
         if is_last {
             let estimated = declared.objective != options.objective;
             fitted.noise = NoiseRecord::Known(robust_noise(&fitted, &distances, scales, loss, estimated));

@@ -10,6 +10,7 @@ use crate::fit::noise::components::{Estimate, Trial, TrialRequest, variance_comp
 use crate::fit::noise::record::{NoiseRecord, sds_of_weights};
 use crate::fit::noise::sds::{NoiseSds, NoiseSource};
 use crate::fit::notes::Note;
+use crate::fit::objective::Course;
 use crate::fit::objective::fitted::{Fitted, Iteration};
 use crate::fit::objective::setting::{Setting, check_count};
 use crate::fit::{FitError, SlopeWeights};
@@ -22,14 +23,14 @@ const EXTREME: f64 = 1e100;
 ///
 /// # Errors
 /// Where the rows are too few or determine no surface.
-pub(super) fn fit_slopes(setting: &Setting, weights: SlopeWeights) -> Result<Fitted, FitError> {
+pub(super) fn fit_slopes(setting: &Setting, weights: SlopeWeights, course: Course) -> Result<Fitted, FitError> {
     let mut notes = Vec::new();
     let (trial, noise) = if weights == SlopeWeights::Auto && setting.data.has_orientation() {
         let (trial, noise, note) = fit_estimated(setting)?;
         notes.extend(note);
         (trial, noise)
     } else {
-        fit_weighted(setting, weights)?
+        fit_weighted(setting, weights, course)?
     };
     let [heights, _] = trial.equations.row_weights.row_counts(setting.sites.len());
     if heights == 0 {
@@ -48,7 +49,7 @@ pub(super) fn fit_slopes(setting: &Setting, weights: SlopeWeights) -> Result<Fit
 /// `--weights auto`: the inverse noise sds, estimated with the fit.
 fn fit_estimated(setting: &Setting) -> Result<(Trial, NoiseRecord, Option<Note>), FitError> {
     let at = |TrialRequest { sds, .. }: TrialRequest| {
-        trial(setting, [1.0 / sds.z, 1.0 / sds.slope, 1.0 / sds.slope]).map(|(trial, _)| trial)
+        trial(setting, [1.0 / sds.z, 1.0 / sds.slope, 1.0 / sds.slope], Course::Answer).map(|(trial, _)| trial)
     };
     let Estimate { sds, trial, note, dof, .. } = variance_components(setting.budget, at)?;
     let weights = [1.0 / (sds.z * setting.scale), 1.0 / sds.slope, 1.0 / sds.slope];
@@ -59,16 +60,16 @@ fn fit_estimated(setting: &Setting) -> Result<(Trial, NoiseRecord, Option<Note>)
 }
 
 /// Given weights; the noise sds follow from the residuals.
-fn fit_weighted(setting: &Setting, word: SlopeWeights) -> Result<(Trial, NoiseRecord), FitError> {
+fn fit_weighted(setting: &Setting, word: SlopeWeights, course: Course) -> Result<(Trial, NoiseRecord), FitError> {
     let patch_weights = in_patch_units(word, setting.scale);
-    let (trial, unit) = trial(setting, patch_weights)?;
+    let (trial, unit) = trial(setting, patch_weights, course)?;
     let weights = [patch_weights[0] / setting.scale, patch_weights[1], patch_weights[2]];
     let noise = NoiseRecord::Weighted { word, weights, unit, squares: trial.squares };
     Ok((trial, noise))
 }
 
 /// One linear fit under weights in patch units, and the power of two that they were multiplied by.
-fn trial(setting: &Setting, weights: [f64; 3]) -> Result<(Trial, f64), FitError> {
+fn trial(setting: &Setting, weights: [f64; 3], course: Course) -> Result<(Trial, f64), FitError> {
     let (mut row_weights, mut targets) = setting.data.slope_rows(weights);
     let unit = power_towards_one(&row_weights);
     if unit != 1.0 {
@@ -77,7 +78,10 @@ fn trial(setting: &Setting, weights: [f64; 3]) -> Result<(Trial, f64), FitError>
     let roughness = setting.roughness.as_ref().map(|rough| rough.weighing(rough.lambda * unit * unit));
     let equations = Equations::new(setting.sites.clone(), row_weights, targets, roughness);
     check_count(&equations)?;
-    let solution = linear::solve(&equations, setting.method)?;
+    let solution = match course {
+        Course::Answer => linear::solve(&equations, setting.method)?,
+        Course::From(_) => linear::solve_intermediate(&equations, setting.method)?,
+    };
     setting.budget.take(&equations, &solution);
     let squares = equations.residual_squares(&solution.coefficients);
     Ok((Trial { equations, solution, squares, moved: 0.0, steps: 0 }, unit))
