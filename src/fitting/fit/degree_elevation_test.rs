@@ -4,12 +4,16 @@
 //! F = [(rss(p) - rss(p + 2)) / (unknowns(p + 2) - unknowns(p))] / [rss(p + 2) / (rows - unknowns(p + 2))]
 //! ```
 //!
-//! Both sums of squares are taken under the noise that the richer field finds. While F rejects the poorer field at 1 %, the
+//! Both sums of squares are taken under the noise that the richer field finds, and under the weights that a robust loss gives it. While F rejects the poorer field at 1 %, the
 //! degree is raised, twice at most: a degree of 8 follows the sensor's errors at the edges. The step is 2, because over a patch
 //! that is touched evenly an odd degree adds next to nothing to means.
 
-use crate::fit::{Fit, FitOptions, FrameChoice, NormalSigma, Note, Objective, Reading, SlopeWeights, fit_contacts};
-use palpate_geometry::contact::{Contacts, Orientation};
+use std::borrow::Cow;
+
+use crate::fit::{
+    Fit, FitOptions, FrameChoice, NormalSigma, Note, Objective, Reading, Robust, SlopeWeights, fit_contacts,
+};
+use palpate_geometry::contact::{ContactWeights, Contacts, Orientation};
 use palpate_geometry::shape::{Interval, f_upper_tail};
 
 /// Contacts that are fitted at most. A richer field of 49 unknowns over 5,000 contacts with normals took longer than most fits.
@@ -64,9 +68,18 @@ fn called_for(contacts: &Contacts, base: &FitOptions, degree: [usize; 2]) -> Opt
     if !settled || richer.solution().rank < unknowns || rows < ROWS_PER_UNKNOWN * unknowns {
         return None;
     }
-    let poorer = FitOptions { degree, objective: same_noise(&richer, contacts), ..base.clone() };
-    let poorer = fit_contacts(contacts, &poorer).ok()?;
+    let objective = same_noise(&richer, contacts);
+    let poorer = FitOptions { degree, objective, robust: Robust::None, ..base.clone() };
+    let poorer = fit_contacts(&weighed(contacts, &richer), &poorer).ok()?;
     (improvement(&poorer, &richer) < SIGNIFICANCE).then_some(richer)
+}
+
+/// The contacts with the weights that a robust loss gave them in a fit.
+fn weighed<'a>(contacts: &'a Contacts, fit: &Fit) -> Cow<'a, Contacts> {
+    let Some([heights, slopes]) = fit.loss_weights() else { return Cow::Borrowed(contacts) };
+    let weights =
+        ContactWeights { z: Some(heights.clone()), x: Some(slopes.clone()), y: Some(slopes.clone()) };
+    Cow::Owned(Contacts { weights, ..contacts.clone() })
 }
 
 /// The rows of a fit with the noise that it found declared, in the units of the contacts.

@@ -242,6 +242,11 @@ impl Fit {
         &self.solved.fitted.equations
     }
 
+    /// Roots of the weights that a robust loss gave every contact, `[heights, slopes]`; `None` without one.
+    pub(crate) fn loss_weights(&self) -> Option<&[Vec<f64>; 2]> {
+        self.solved.fitted.loss_weights.as_ref()
+    }
+
     /// Coefficients of which the data say nothing or next to nothing, whether or not a roughness penalty told them.
     pub fn without_data(&self) -> Vec<usize> {
         Free::find(&self.equations().data_matrix(), false).list()

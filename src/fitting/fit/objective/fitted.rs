@@ -19,6 +19,8 @@ pub(crate) struct Fitted {
     pub notes: Vec<Note>,
     /// What Gauss-Newton makes of the rounding of one step and of its last one.
     pub iteration: Iteration,
+    /// Roots of the weights that a robust loss gave every site, `[heights, slopes]`.
+    pub loss_weights: Option<[Vec<f64>; 2]>,
     /// The contacts where they were fitted, if errors in x and y moved them.
     pub moved: Option<Moved>,
 }

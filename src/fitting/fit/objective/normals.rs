@@ -85,7 +85,8 @@ pub(super) fn fit_normals(setting: &Setting, sigma: NormalSigma, course: Course)
         dof,
         efficiency: 1.0,
     };
-    Ok(Fitted { equations, solution, noise: NoiseRecord::Known(noise), notes, iteration, moved: None })
+    let noise = NoiseRecord::Known(noise);
+    Ok(Fitted { equations, solution, noise, notes, iteration, loss_weights: None, moved: None })
 }
 
 fn trial(problem: &NormalProblem, request: TrialRequest) -> Result<Trial, FitError> {

@@ -42,6 +42,7 @@ pub(super) fn fit_slopes(setting: &Setting, weights: SlopeWeights, course: Cours
         noise,
         notes,
         iteration: Iteration::NONE,
+        loss_weights: None,
         moved: None,
     })
 }
