@@ -77,8 +77,7 @@ fn called_for(contacts: &Contacts, base: &FitOptions, degree: [usize; 2]) -> Opt
 /// The contacts with the weights that a robust loss gave them in a fit.
 fn weighed<'a>(contacts: &'a Contacts, fit: &Fit) -> Cow<'a, Contacts> {
     let Some([heights, slopes]) = fit.loss_weights() else { return Cow::Borrowed(contacts) };
-    let weights =
-        ContactWeights { z: Some(heights.clone()), x: Some(slopes.clone()), y: Some(slopes.clone()) };
+    let weights = ContactWeights { z: Some(heights.clone()), x: Some(slopes.clone()), y: Some(slopes.clone()) };
     Cow::Owned(Contacts { weights, ..contacts.clone() })
 }
 

@@ -12,6 +12,7 @@ use super::faces::FlatFace;
 use super::mode::{Mode, fewest, log_false};
 use super::one_sensor::of_one_sensor;
 use super::sample::BodySample;
+use super::search::ModeSearch;
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::statistics::log_mean_exp;
@@ -41,7 +42,7 @@ pub(super) struct Division {
 }
 
 /// How the next thing is found in what others leave out.
-pub(super) type NextThing = fn(BodySample, &Tuning) -> Option<(f64, FoundThing)>;
+pub(super) type NextThing = fn(BodySample, &ModeSearch) -> Option<(f64, FoundThing)>;
 
 impl Division {
     /// Two things, and further ones in what both leave out.
@@ -49,15 +50,16 @@ impl Division {
         (of_first, first): (f64, &Mode),
         next_thing: NextThing,
         sample: &BodySample,
-        tuning: &Tuning,
+        search: &ModeSearch,
     ) -> Option<Division> {
+        let tuning = search.tuning;
         let first = FoundThing { mode: first.clone(), among: sample.clone() };
-        let (gain, second) = next_thing(first.left(), tuning)?;
+        let (gain, second) = next_thing(first.left(), search)?;
         let mut rest = second.left();
         let mut gains = vec![of_first, gain];
         let mut things = vec![first, second];
         while things.len() < tuning.most_things {
-            let Some((gain, next)) = next_thing(rest, tuning).filter(|(gain, _)| *gain > tuning.clearly) else { break };
+            let Some((gain, next)) = next_thing(rest, search).filter(|(gain, _)| *gain > tuning.clearly) else { break };
             rest = next.left();
             gains.push(gain);
             things.push(next);

@@ -21,7 +21,7 @@ use super::evidence::LinearisedBase;
 use super::mode::{FalseContacts, Mode};
 use super::posterior::{DrawnBase, draws};
 use super::sample::BodySample;
-use super::search::modes;
+use super::search::ModeSearch;
 use super::symmetry::{FreeBody, symmetric_forms};
 use super::tuning::Tuning;
 use palpate_numeric::statistics::{Rank, mad, quantile};
@@ -42,13 +42,14 @@ struct FreeMode {
 
 /// The posterior of a free surface; `None` where contacts are too few, or do not tell each other's place. Of more than
 /// [`Tuning::free_contacts`] none is said to be its own: [`with_own_contacts`] says it where the surface is the answer, for it is asked of each.
-pub(crate) fn free_surface(all: &BodySample, tuning: &Tuning) -> Option<BodyPosterior> {
+pub(crate) fn free_surface(all: &BodySample, search: &ModeSearch) -> Option<BodyPosterior> {
+    let tuning = search.tuning;
     let sample = &all.at_most(tuning.free_contacts);
     if sample.len() < tuning.free_from[usize::from(sample.known_normals() == 0)] {
         return None;
     }
     let few = sample.at_most(tuning.searched);
-    let found = modes(&few, tuning);
+    let found = search.modes(&few);
     let likeliest = likeliest_modes(forms(sample, &found, tuning), sample, tuning);
     let best = likeliest.iter().max_by(|a, b| a.best.log_evidence.total_cmp(&b.best.log_evidence))?;
     if !predicts(best, sample, tuning) {

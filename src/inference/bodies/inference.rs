@@ -1,5 +1,7 @@
 //! The steps from contacts to weighted hypotheses, top to bottom.
 
+use std::sync::Arc;
+
 use super::body_hypothesis::BodyHypothesis;
 use super::body_posterior::{BodyPosterior, most, normalised};
 use super::coordinates::DepartureOver;
@@ -9,7 +11,7 @@ use super::free_surface::free_surface;
 use super::mode::{FalseContacts, Mode};
 use super::other_things::{RatedThings, Thing, scatter, several_things};
 use super::sample::BodySample;
-use super::search::modes;
+use super::search::ModeSearch;
 use super::tuning::Tuning;
 use crate::primitives::placed::PartKind;
 
@@ -34,35 +36,36 @@ pub(crate) enum Verdict {
 
 /// Judges contacts. Of very many the evidence is taken from a part, evenly among all.
 pub(crate) fn infer(all: &BodySample, tuning: &Tuning) -> Verdict {
-    infer_beside(all, tuning, |sample, of_one| FreeRival::new(all, sample, of_one, tuning))
+    infer_beside(all, tuning, |sample, of_one, search| FreeRival::new(all, sample, of_one, search))
 }
 
 /// The same by primitives alone.
 pub(crate) fn infer_primitives(all: &BodySample, tuning: &Tuning) -> Verdict {
-    infer_beside(all, tuning, |_, _| None)
+    infer_beside(all, tuning, |_, _, _| None)
 }
 
 fn infer_beside(
     all: &BodySample,
     tuning: &Tuning,
-    free: impl FnOnce(&BodySample, f64) -> Option<FreeRival>,
+    free: impl FnOnce(&BodySample, f64, &ModeSearch) -> Option<FreeRival>,
 ) -> Verdict {
     let sample = &all.at_most(tuning.most_contacts);
-    let modes = modes(sample, tuning);
+    let search = &ModeSearch::new(tuning);
+    let modes = search.modes(sample);
     let one = posterior(&modes, sample, tuning);
     // where no primitive holds most of the contacts none is as probable as several
     let of_one = evidence_of(one.as_ref());
     let answer_of = |one: &BodyPosterior| is_answer(one, sample, tuning);
     let is_sure = one.as_ref().is_some_and(|one| answer_of(one) && one.is_exact(sample, tuning));
     let beside = one.as_ref().filter(|_| !is_sure).and_then(|one| one.without_sections(tuning));
-    let free = if is_sure { None } else { free(sample, evidence_of(beside.as_ref())) };
+    let free = if is_sure { None } else { free(sample, evidence_of(beside.as_ref()), search) };
     let answer = one.filter(answer_of);
     let beside = beside.filter(|_| answer.is_some());
     let is_clear = |free: &FreeRival| beside.as_ref().is_none_or(|one| free.is_clear(one, tuning));
-    let several = (!is_sure).then(|| several_things(sample, &modes, of_one, tuning)).flatten();
+    let several = (!is_sure).then(|| several_things(sample, &modes, of_one, search)).flatten();
     if let Some(several) = several {
         // one primitive is then no answer
-        return several_or_free(several, free.filter(is_clear), tuning);
+        return several_or_free(several, free.filter(is_clear), search);
     }
     let one = answer.map(|mut posterior| {
         if sample.len() < all.len() {
@@ -81,9 +84,9 @@ fn infer_beside(
 }
 
 /// Several things, or the free surface where it explains the contacts as well.
-fn several_or_free(several: RatedThings, free: Option<FreeRival>, tuning: &Tuning) -> Verdict {
+fn several_or_free(several: RatedThings, free: Option<FreeRival>, search: &ModeSearch) -> Verdict {
     let Some(free) = free else { return Verdict::Several(several.things) };
-    let behind = free.behind(&several, tuning);
+    let (behind, tuning) = (free.behind(&several, search), search.tuning);
     let is_open = behind >= -tuning.clearly;
     if behind > tuning.clearly || is_open && free.says_less(&several.things, tuning) {
         return Verdict::Several(several.things);
@@ -98,17 +101,17 @@ struct FreeRival {
     /// Log evidence of the likeliest primitive over the contacts that the free surface was computed from.
     of_one: f64,
     /// These contacts and the modes of primitives among them, where they are not all.
-    of_some: Option<(BodySample, Vec<Mode>)>,
+    of_some: Option<(BodySample, Arc<Vec<Mode>>)>,
 }
 
 impl FreeRival {
-    fn new(all: &BodySample, sample: &BodySample, of_one: f64, tuning: &Tuning) -> Option<FreeRival> {
-        let found = free_surface(all, tuning)?;
+    fn new(all: &BodySample, sample: &BodySample, of_one: f64, search: &ModeSearch) -> Option<FreeRival> {
+        let (found, tuning) = (free_surface(all, search)?, search.tuning);
         if sample.len() <= tuning.free_contacts {
             return Some(FreeRival { found, of_one, of_some: None });
         }
         let some = all.at_most(tuning.free_contacts);
-        let known = modes(&some, tuning);
+        let known = search.modes(&some);
         let one = posterior(&known, &some, tuning).and_then(|one| one.without_sections(tuning));
         Some(FreeRival { found, of_one: evidence_of(one.as_ref()), of_some: Some((some, known)) })
     }
@@ -131,10 +134,10 @@ impl FreeRival {
     }
 
     /// Log evidence by which several things are ahead of it, over the contacts that it was computed from. Beforehand it may be of any symmetry.
-    fn behind(&self, several: &RatedThings, tuning: &Tuning) -> f64 {
+    fn behind(&self, several: &RatedThings, search: &ModeSearch) -> f64 {
         let of_several = match &self.of_some {
             None => several.log_evidence,
-            Some((some, known)) => several_things(some, known, f64::NEG_INFINITY, tuning)
+            Some((some, known)) => several_things(some, known, f64::NEG_INFINITY, search)
                 .map_or(f64::NEG_INFINITY, |several| several.log_evidence),
         };
         of_several - self.found.log_evidence + (DepartureOver::FORMS.len() as f64).ln()

@@ -16,7 +16,7 @@ use super::evidence::LinearisedBase;
 use super::faces::faces;
 use super::mode::{Candidate, Mode, fewest, mode, next_to_all};
 use super::sample::BodySample;
-use super::search::{minorities, modes};
+use super::search::ModeSearch;
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::threads;
@@ -44,8 +44,14 @@ pub(super) struct RatedThings {
 }
 
 /// The things that explain the contacts clearly better than one, whose log evidence is given.
-pub(super) fn several_things(sample: &BodySample, known: &[Mode], of_one: f64, tuning: &Tuning) -> Option<RatedThings> {
-    let divided = likeliest_division(sample, known, tuning)?;
+pub(super) fn several_things(
+    sample: &BodySample,
+    known: &[Mode],
+    of_one: f64,
+    search: &ModeSearch,
+) -> Option<RatedThings> {
+    let tuning = search.tuning;
+    let divided = likeliest_division(sample, known, search)?;
     let of_rival = of_one.max(of_smooth(sample, known, tuning));
     let is_clear = divided.log_evidence > of_rival + tuning.clearly;
     is_clear.then(|| RatedThings {
@@ -54,20 +60,21 @@ pub(super) fn several_things(sample: &BodySample, known: &[Mode], of_one: f64, t
     })
 }
 
-fn likeliest_division(sample: &BodySample, known: &[Mode], tuning: &Tuning) -> Option<Division> {
+fn likeliest_division(sample: &BodySample, known: &[Mode], search: &ModeSearch) -> Option<Division> {
+    let tuning = search.tuning;
     let beside: Vec<Candidate> =
         known.iter().flat_map(|found| on_either_side(&found.primitive, sample, tuning)).collect();
     let sheets = threads::map(beside.len(), 1, |k| mode(&beside[k], sample, tuning));
     let sheets: Vec<Mode> = sheets.into_iter().flatten().collect();
-    let few = minorities(sample, tuning);
-    let firsts = first_things(known.iter().chain(&sheets).chain(&few), sample, tuning);
+    let few = search.minorities(sample);
+    let firsts = first_things(known.iter().chain(&sheets).chain(few.iter()), sample, tuning);
     let mut begun: Vec<((f64, &Mode), NextThing)> =
         firsts.iter().map(|first| (*first, likeliest_thing as NextThing)).collect();
     // places alone lie in planes to the last digit that are none: two straight lines of a saddle do
     let is_told_by_normals = sample.known_normals() == sample.len();
     let nearest = || firsts.iter().min_by(|a, b| a.1.sd[0].total_cmp(&b.1.sd[0]));
     begun.extend(is_told_by_normals.then(nearest).flatten().map(|first| (*first, nearest_thing as NextThing)));
-    let divided = threads::map(begun.len(), 1, |k| Division::beginning_with(begun[k].0, begun[k].1, sample, tuning));
+    let divided = threads::map(begun.len(), 1, |k| Division::beginning_with(begun[k].0, begun[k].1, sample, search));
     let simplest = simplest_as_good(divided.into_iter().flatten().collect(), tuning);
     let all = simplest.into_iter().chain(divisions_into_faces(&firsts, sample, tuning));
     all.max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
@@ -164,12 +171,12 @@ fn leaves_enough(sample: &BodySample, first: &Mode, tuning: &Tuning) -> bool {
 
 /// The likeliest primitive of contacts that belong to nothing yet, after its log evidence less that of all being false; `None` where none
 /// holds enough of them.
-fn likeliest_thing(among: BodySample, tuning: &Tuning) -> Option<(f64, FoundThing)> {
-    let rest = &among;
+fn likeliest_thing(among: BodySample, search: &ModeSearch) -> Option<(f64, FoundThing)> {
+    let (rest, tuning) = (&among, search.tuning);
     if !may_hold_a_thing(rest, tuning) {
         return None;
     }
-    let found = all_modes(rest, tuning);
+    let found = all_modes(rest, search);
     let rated = with_gains(&found, rest, tuning);
     let by_gain = |a: &&(f64, &Mode), b: &&(f64, &Mode)| a.0.total_cmp(&b.0);
     let (mut gain, mut chosen) = *rated.iter().max_by(by_gain)?;
@@ -184,7 +191,7 @@ fn likeliest_thing(among: BodySample, tuning: &Tuning) -> Option<(f64, FoundThin
     let rivals: Vec<&(f64, &Mode)> = SIMPLE.into_iter().filter_map(of_kind).collect();
     let with_next = threads::map(rivals.len(), 1, |k| {
         let (own, m) = *rivals[k];
-        (own + of_next(m, rest, tuning), own, m)
+        (own + of_next(m, rest, search), own, m)
     });
     let most = with_next.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((_, of_simple, simple)) = most.filter(|(both, ..)| *both > gain) {
@@ -209,11 +216,12 @@ fn or_simpler((gain, found): (f64, &Mode), rest: &BodySample, tuning: &Tuning) -
 
 /// Of the primitives that are clearly likelier than chance those that lie nearest to their own contacts, and the likeliest of these: the four
 /// faces about a box's axis are followed by a bar, which holds more contacts than any face and gains more than the next two.
-fn nearest_thing(among: BodySample, tuning: &Tuning) -> Option<(f64, FoundThing)> {
+fn nearest_thing(among: BodySample, search: &ModeSearch) -> Option<(f64, FoundThing)> {
+    let tuning = search.tuning;
     if !may_hold_a_thing(&among, tuning) {
         return None;
     }
-    let found = all_modes(&among, tuning);
+    let found = all_modes(&among, search);
     let rated: Vec<(f64, &Mode)> =
         with_gains(&found, &among, tuning).into_iter().filter(|(gain, _)| *gain > tuning.clearly).collect();
     let scatter = rated.iter().map(|(_, m)| m.sd[0]).fold(f64::INFINITY, f64::min);
@@ -223,16 +231,14 @@ fn nearest_thing(among: BodySample, tuning: &Tuning) -> Option<(f64, FoundThing)
 }
 
 /// Modes that hold most of the contacts, and a minority of them.
-fn all_modes(sample: &BodySample, tuning: &Tuning) -> Vec<Mode> {
-    let mut found = modes(sample, tuning);
-    found.extend(minorities(sample, tuning));
-    found
+fn all_modes(sample: &BodySample, search: &ModeSearch) -> Vec<Mode> {
+    search.modes(sample).iter().chain(search.minorities(sample).iter()).cloned().collect()
 }
 
 /// What the likeliest primitive of the contacts that a mode leaves out gains; 0 where there is none.
-fn of_next(mode: &Mode, rest: &BodySample, tuning: &Tuning) -> f64 {
-    let left = rest.only(&mode.others());
-    let beside = if may_hold_a_thing(&left, tuning) { all_modes(&left, tuning) } else { Vec::new() };
+fn of_next(mode: &Mode, rest: &BodySample, search: &ModeSearch) -> f64 {
+    let (left, tuning) = (rest.only(&mode.others()), search.tuning);
+    let beside = if may_hold_a_thing(&left, tuning) { all_modes(&left, search) } else { Vec::new() };
     with_gains(&beside, &left, tuning).iter().map(|(gain, _)| *gain).fold(0.0, f64::max)
 }
 

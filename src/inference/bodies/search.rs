@@ -1,4 +1,9 @@
 //! The likeliest mode of every kind of primitive, from all starts.
+//!
+//! What one division among several things leaves out, another leaves out as well: what was found there is kept.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::candidates::{candidates, of_minorities, on_either_side};
 use super::evidence::LinearisedBase;
@@ -6,6 +11,47 @@ use super::mode::{Candidate, Mode, mode};
 use super::sample::BodySample;
 use super::tuning::Tuning;
 use palpate_numeric::threads;
+
+/// Modes that were found among some contacts, by these.
+type FoundModes = Mutex<HashMap<Vec<u64>, Arc<Vec<Mode>>>>;
+
+/// A search of modes among parts of the same contacts, which looks at each part once.
+pub(crate) struct ModeSearch<'a> {
+    pub(super) tuning: &'a Tuning,
+    over_most: FoundModes,
+    of_minorities: FoundModes,
+}
+
+impl<'a> ModeSearch<'a> {
+    pub(crate) fn new(tuning: &'a Tuning) -> ModeSearch<'a> {
+        ModeSearch { tuning, over_most: FoundModes::default(), of_minorities: FoundModes::default() }
+    }
+
+    /// [`modes`], once.
+    pub(super) fn modes(&self, sample: &BodySample) -> Arc<Vec<Mode>> {
+        once(&self.over_most, sample, || modes(sample, self.tuning))
+    }
+
+    /// [`minorities`], once.
+    pub(super) fn minorities(&self, sample: &BodySample) -> Arc<Vec<Mode>> {
+        once(&self.of_minorities, sample, || minorities(sample, self.tuning))
+    }
+}
+
+/// What is known of these contacts, or is then found.
+fn once(known: &FoundModes, sample: &BodySample, find: impl FnOnce() -> Vec<Mode>) -> Arc<Vec<Mode>> {
+    let numbers = sample.points.iter().chain(&sample.normals).flatten();
+    let contacts: Vec<u64> = numbers.map(|number| number.to_bits()).collect();
+    // what a thread that has failed has kept is whole
+    let open = || known.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(found) = open().get(&contacts) {
+        return Arc::clone(found);
+    }
+    // another thread may find the same at the same time
+    let found = Arc::new(find());
+    open().insert(contacts, Arc::clone(&found));
+    found
+}
 
 /// The likeliest modes of every kind over all contacts, without false contacts, with some, and where most contacts are left
 /// out: which of these the contacts are is a matter of the evidence.
@@ -24,7 +70,7 @@ pub(super) fn modes(sample: &BodySample, tuning: &Tuning) -> Vec<Mode> {
 }
 
 /// Modes that hold a minority of the contacts: each may be one thing of several.
-pub(super) fn minorities(sample: &BodySample, tuning: &Tuning) -> Vec<Mode> {
+fn minorities(sample: &BodySample, tuning: &Tuning) -> Vec<Mode> {
     let few = sample.at_most(tuning.searched);
     let candidates = of_minorities(&few, tuning);
     let follow = |k: usize| {

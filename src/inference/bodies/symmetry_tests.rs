@@ -9,6 +9,7 @@ use super::inference::{Verdict, infer};
 use super::mode::{FalseContacts, Mode};
 use super::posterior::{DrawnBase, draws, spread};
 use super::sample::BodySample;
+use super::search::ModeSearch;
 use super::tests::gaussian;
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
@@ -302,7 +303,7 @@ fn places_of_a_bottle(seed: u64) -> (usize, usize) {
         }
     }
     let sample = BodySample::new(&points, &normals, Rounding::NONE).unwrap();
-    let posterior = free_surface(&sample, &tuning).unwrap();
+    let posterior = free_surface(&sample, &ModeSearch::new(&tuning)).unwrap();
     let kind = posterior.kind();
     let surface = DrawnBase::likeliest(posterior.likeliest(kind).unwrap(), posterior.best_of(kind).unwrap());
     let members: Vec<Vector> = posterior.members_of(kind).iter().map(|i| sample.points[*i]).collect();
@@ -330,6 +331,6 @@ fn a_cloud_that_fills_a_volume_is_no_surface() {
     for seed in 1..=12 {
         let mut generator = Lcg::new(300 + seed);
         let sample = filling(200, seed % 2 == 0, &mut generator);
-        assert!(free_surface(&sample, &tuning).is_none(), "{seed}");
+        assert!(free_surface(&sample, &ModeSearch::new(&tuning)).is_none(), "{seed}");
     }
 }

@@ -7,7 +7,7 @@ use super::mode::{FalseContacts, Mode};
 use super::posterior::{draws, spread};
 use super::prior::log_prior;
 use super::sample::BodySample;
-use super::search::modes;
+use super::search::{ModeSearch, modes};
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_geometry::contact::Rounding;
@@ -238,7 +238,7 @@ fn a_pear_is_a_free_surface_and_lies_where_it_is() {
         points.push(direction.map(|v| r * v));
     }
     let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
-    let posterior = free_surface(&sample, &tuning).expect("a free surface");
+    let posterior = free_surface(&sample, &ModeSearch::new(&tuning)).expect("a free surface");
     let drawn = draws(&posterior, &tuning, 1);
     let mut square = 0.0;
     for k in 0..100 {
@@ -266,7 +266,7 @@ fn one_side_of_a_pear_is_no_closed_surface() {
         }
     }
     let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
-    let posterior = free_surface(&sample, &tuning).expect("a free surface");
+    let posterior = free_surface(&sample, &ModeSearch::new(&tuning)).expect("a free surface");
     assert!(!posterior.closes(&sample, &tuning));
 }
 

@@ -31,9 +31,7 @@ use super::truth::{TruePlace, truth_part};
 pub(super) fn found<'a>(found: &'a Recognition, subject: &Subject<'a>) -> Result<Found<'a>, FitError> {
     // samples of the surface support all coefficients of a map into space
     let (surface, saved_frame, unsupported) = match found.spline()? {
-        RecognisedSpline::Height { surface, fit } => {
-            (AnySurface::Height(surface), *fit.frame(), fit.without_data())
-        }
+        RecognisedSpline::Height { surface, fit } => (AnySurface::Height(surface), *fit.frame(), fit.without_data()),
         RecognisedSpline::Parametric { surface, support } => {
             (AnySurface::Parametric(surface, support), found.frame, Vec::new())
         }
