@@ -29,44 +29,43 @@ pub(super) struct FactoredEquations {
     pub(super) sum: f64,
 }
 
-impl LinearisedBase<'_> {
+/// Equations of hypotheses that differ by the ratio v alone.
+pub(super) struct EquationsBySize<'a> {
+    base: &'a LinearisedBase<'a>,
+    grams: &'a RowGrams,
+    size: Option<f64>,
+    /// One over the variances of the weights, in units of one over the scatter's.
+    precision: Vec<f64>,
+    steepness: Option<Steepness<'a>>,
+}
+
+/// Rows of steepness with their weight, and what is known of the weights by them beforehand.
+struct Steepness<'a> {
+    rows: &'a Mat<f64>,
+    weight: f64,
+    prior: PriorOfDistance,
+}
+
+impl<'a> LinearisedBase<'a> {
     /// ln p and the equations that it is taken from, for a departure of some size and a ratio v.
     pub(super) fn factored(&self, grams: &RowGrams, size: Option<f64>, v: f64) -> Option<FactoredEquations> {
-        let (places, unknowns) = (grams.places, self.moving.len());
-        let [distances, normals] = &grams.of;
-        let all = places + unknowns;
-        let full = |i: usize, j: usize| distances[(i, j)] + v * normals[(i, j)];
-        let mut matrix = Mat::from_fn(all, all, full);
+        self.by_size(grams, size)?.factored(v)
+    }
+
+    /// The equations of a departure of some size, for any ratio.
+    pub(super) fn by_size<'b>(&'b self, grams: &'b RowGrams, size: Option<f64>) -> Option<EquationsBySize<'b>>
+    where
+        'a: 'b,
+    {
         let precision = self.precision_of(grams, size.unwrap_or(1.0));
-        (0..places).for_each(|i| matrix[(i, i)] += precision[i]);
-        let held = |i: usize| (self.sd[0] / self.widths[self.moving[i]]).powi(2);
-        (0..unknowns).for_each(|i| matrix[(places + i, places + i)] += held(i));
-        let mut right: Vec<f64> = (0..all).map(|i| -full(i, all)).collect();
-        let steepness = grams.steepness.as_ref().map(|rows| (rows, (self.sd[0] / self.steep).powi(2)));
-        if let Some((rows, weight)) = steepness {
-            (0..all).for_each(|i| {
-                (0..all).for_each(|j| matrix[(i, j)] += weight * rows[(i, j)]);
-                right[i] -= weight * rows[(i, all)];
-            });
-        }
-        let lower = dense::cholesky(&matrix)?;
-        dense::forward_in_columns(&lower, &mut right);
-        let left = full(all, all) - right.iter().map(|b| b * b).sum::<f64>();
-        let (sum, of_prior) = match steepness {
-            Some((rows, weight)) => {
-                let (own, of_prior) = self.of_steepness(rows, weight, &precision, (&lower, &right))?;
-                (left + weight * rows[(all, all)] - own, of_prior)
+        let steepness = match &grams.steepness {
+            Some(rows) => {
+                let weight = (self.sd[0] / self.steep).powi(2);
+                Some(Steepness { rows, weight, prior: PriorOfDistance::new(rows, weight, &precision)? })
             }
-            None => (left, -(places as f64) * size.unwrap_or(1.0).ln()),
+            None => None,
         };
-        let freedom = self.freedom();
-        let floor = self.sample.floor[0].max(self.sample.floor[1] * v.sqrt());
-        let sum = sum.max(freedom * floor * floor);
-        let log = 0.5 * self.rows[1] * v.ln() - 0.5 * freedom * PI.ln() + ln_gamma(0.5 * freedom)
-            - 0.5 * freedom * sum.ln()
-            - 0.5 * dense::log_det(&lower)
-            + of_prior;
-        Some(FactoredEquations { log, lower, reduced: right, sum })
+        Some(EquationsBySize { base: self, grams, size, precision, steepness })
     }
 
     /// One over the variances of the weights, in units of one over the scatter's.
@@ -75,21 +74,67 @@ impl LinearisedBase<'_> {
         let broad = (self.sd[0] / self.broad).powi(2);
         (0..grams.places).map(|i| if i < own { 1.0 / (ratio * ratio) } else { broad }).collect()
     }
+}
 
+impl EquationsBySize<'_> {
+    /// ln p and the equations that it is taken from.
+    pub(super) fn factored(&self, v: f64) -> Option<FactoredEquations> {
+        let (base, [distances, normals]) = (self.base, &self.grams.of);
+        let all = self.grams.places + base.moving.len();
+        let full = |i: usize, j: usize| distances[(i, j)] + v * normals[(i, j)];
+        let lower = dense::cholesky(&self.matrix(v))?;
+        let mut right: Vec<f64> = (0..all).map(|i| -full(i, all)).collect();
+        if let Some(Steepness { rows, weight, .. }) = &self.steepness {
+            right.iter_mut().zip(rows.col_as_slice(all)).for_each(|(right, row)| *right -= weight * row);
+        }
+        dense::forward_in_columns(&lower, &mut right);
+        let left = full(all, all) - right.iter().map(|b| b * b).sum::<f64>();
+        let (sum, of_prior) = match &self.steepness {
+            Some(steepness) => {
+                let (own, of_prior) = steepness.left((&lower, &right), base.sd[0]);
+                (left + steepness.weight * steepness.rows[(all, all)] - own, of_prior)
+            }
+            None => (left, -(self.grams.places as f64) * self.size.unwrap_or(1.0).ln()),
+        };
+        let freedom = base.freedom();
+        let floor = base.sample.floor[0].max(base.sample.floor[1] * v.sqrt());
+        let sum = sum.max(freedom * floor * floor);
+        let log = 0.5 * base.rows[1] * v.ln() - 0.5 * freedom * PI.ln() + ln_gamma(0.5 * freedom)
+            - 0.5 * freedom * sum.ln()
+            - 0.5 * dense::log_det(&lower)
+            + of_prior;
+        Some(FactoredEquations { log, lower, reduced: right, sum })
+    }
+
+    /// A, its lower triangle.
+    fn matrix(&self, v: f64) -> Mat<f64> {
+        let (base, [distances, normals], places) = (self.base, &self.grams.of, self.grams.places);
+        let all = places + base.moving.len();
+        let mut matrix = Mat::zeros(all, all);
+        for j in 0..all {
+            let of_rows = distances.col_as_slice(j).iter().zip(normals.col_as_slice(j)).skip(j);
+            let column = &mut matrix.col_as_slice_mut(j)[j..];
+            column.iter_mut().zip(of_rows).for_each(|(entry, (d, n))| *entry = d + v * n);
+            column[0] += match j.checked_sub(places) {
+                None => self.precision[j],
+                Some(unknown) => (base.sd[0] / base.widths[base.moving[unknown]]).powi(2),
+            };
+            if let Some(Steepness { rows, weight, .. }) = &self.steepness {
+                column.iter_mut().zip(&rows.col_as_slice(j)[j..]).for_each(|(entry, row)| *entry += weight * row);
+            }
+        }
+        matrix
+    }
+}
+
+impl Steepness<'_> {
     /// What steepness has of the sum of squares at the minimum, which is no scatter, and ln p by what is known of the weights beforehand.
-    fn of_steepness(
-        &self,
-        rows: &Mat<f64>,
-        weight: f64,
-        precision: &[f64],
-        (lower, reduced): (&Mat<f64>, &[f64]),
-    ) -> Option<(f64, f64)> {
-        let prior = PriorOfDistance::new(rows, weight, precision)?;
+    fn left(&self, (lower, reduced): (&Mat<f64>, &[f64]), scatter: f64) -> (f64, f64) {
         let mut solution = reduced.to_vec();
         dense::backward(lower, &mut solution);
-        let own = weight * square_of(rows, &solution);
-        let lost = (own - prior.sum).max(0.0) / self.sd[0].powi(2);
-        Some((own, 0.5 * prior.log_det - 0.5 * lost))
+        let own = self.weight * square_of(self.rows, &solution);
+        let lost = (own - self.prior.sum).max(0.0) / scatter.powi(2);
+        (own, 0.5 * self.prior.log_det - 0.5 * lost)
     }
 }
 

@@ -315,7 +315,9 @@ impl<'a> LinearisedBase<'a> {
 
     /// The likeliest ln v, and what its prior and its width add to ln p there.
     fn ratio(&self, grams: &RowGrams, size: Option<f64>, tuning: &Tuning) -> (f64, f64) {
-        let value = |log_v: f64| self.factored(grams, size, log_v.exp()).map_or(f64::NEG_INFINITY, |found| found.log);
+        let equations = self.by_size(grams, size);
+        let at = |log_v: f64| Some(equations.as_ref()?.factored(log_v.exp())?.log);
+        let value = |log_v: f64| at(log_v).unwrap_or(f64::NEG_INFINITY);
         likeliest_ratio(self.sd, value, tuning)
     }
 

@@ -25,6 +25,7 @@ use super::search::ModeSearch;
 use super::symmetry::{FreeBody, symmetric_forms};
 use super::tuning::Tuning;
 use palpate_numeric::statistics::{Rank, mad, quantile};
+use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along};
 
 /// One contact of so many is left out.
@@ -103,14 +104,18 @@ fn forms(sample: &BodySample, found: &[Mode], tuning: &Tuning) -> Vec<FreeBody> 
 fn likeliest_modes(forms: Vec<FreeBody>, sample: &BodySample, tuning: &Tuning) -> Vec<FreeMode> {
     let few = &sample.at_most(tuning.searched);
     let by = gaussian(&tuning.free_rated, tuning.free_apart[0]);
-    let rated = forms.into_iter().filter_map(|form| FreeMode::about(form, few, &by, tuning));
-    let mut rated: Vec<FreeMode> = rated.collect();
+    let rated = threads::map(forms.len(), 1, |k| FreeMode::about(forms[k], few, &by, tuning));
+    let mut rated: Vec<FreeMode> = rated.into_iter().flatten().collect();
     rated.sort_by(|a, b| b.best.log_evidence.total_cmp(&a.best.log_evidence));
+    let own = |over: DepartureOver| rated.iter().filter(move |mode| mode.over == over).take(tuning.free_followed);
+    let begun: Vec<&FreeMode> = DepartureOver::FORMS.into_iter().flat_map(own).collect();
+    let followed = threads::map(begun.len(), 1, |k| {
+        let found = begun[k].again(few, sample, tuning)?;
+        Some(found).filter(|mode| !mode.folds_within_its_scatter(sample, tuning))
+    });
     let of = |over: DepartureOver| {
-        let own = rated.iter().filter(move |mode| mode.over == over).take(tuning.free_followed);
-        let followed = own.filter_map(|mode| mode.again(few, sample, tuning));
-        let followed = followed.filter(|mode| !mode.folds_within_its_scatter(sample, tuning));
-        followed.max_by(|a, b| a.best.log_evidence.total_cmp(&b.best.log_evidence))
+        let own = followed.iter().flatten().filter(|mode| mode.over == over);
+        own.max_by(|a, b| a.best.log_evidence.total_cmp(&b.best.log_evidence)).cloned()
     };
     DepartureOver::FORMS.into_iter().filter_map(of).collect()
 }
