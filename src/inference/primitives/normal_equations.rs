@@ -15,6 +15,7 @@ use palpate_geometry::primitives::{
     self as forms, Cone, Cylinder, DistanceJet, Plane, Sphere, Torus, TriaxialEllipsoid,
 };
 use palpate_numeric::linalg::small::Square;
+use palpate_numeric::simd::{Isa, gram_rows};
 use palpate_numeric::vector::{Vector, dot};
 
 /// A contact with one over the variances of its distance and of its normal.
@@ -67,20 +68,20 @@ fn over<const N: usize>(
     (primitive, facing): (&Primitive, Facing),
     contacts: impl Iterator<Item = WeightedContact>,
 ) -> NormalEquations {
-    let mut sums = LaneSums { matrix: [[[0.0; ROWS]; N]; N], gradient: [[0.0; ROWS]; N], sum: [0.0; ROWS] };
-    for WeightedContact { point, normal, weights: [of_distance, of_normal] } in contacts {
+    let mut sums = RowSums::new();
+    for WeightedContact { point, normal, weights } in contacts {
         let q = primitive.own(point);
         let jet = form.jet(q);
         let outwards = jet.gradient.map(|g| primitive.side * g);
         let given = normal.map_or(outwards, |n| facing(primitive.axes.map(|axis| dot(axis, n)), outwards));
-        let of_normal = if normal.is_some() { of_normal } else { 0.0 };
         let rows = ContactRows { jet: &jet, side: primitive.side, q, given };
         // a loop and not `map`, which is a call for every unknown
         let mut columns = [[0.0; ROWS]; N];
         for k in 0..N {
             columns[k] = rows.column(unknowns[k]);
         }
-        sums.add(rows.residuals(outwards), &columns, [of_distance, of_normal]);
+        let told = if normal.is_some() { ROWS } else { 1 };
+        sums.add(rows.residuals(outwards), &columns, weights, told);
     }
     sums.spread(unknowns)
 }
@@ -163,50 +164,67 @@ fn turned(axis: usize, v: Vector) -> Vector {
     }
 }
 
-/// Sums over the free unknowns alone, of the matrix its lower triangle; for each of a contact's rows, so that all rows are added at once.
-struct LaneSums<const N: usize> {
-    matrix: [[Lanes; N]; N],
-    gradient: [Lanes; N],
-    sum: Lanes,
+/// Rows that are summed at once: a tile of the matrix stays in registers over all of them.
+const AT_ONCE: usize = 64;
+
+/// Entries of a row, its residual behind the unknowns: whole sets of lanes.
+const WIDTH: usize = 16;
+const NARROW: usize = 8;
+
+/// Sums over the free unknowns alone, the residual being one of them.
+struct RowSums<const N: usize> {
+    rows: [f64; AT_ONCE * WIDTH],
+    waiting: usize,
+    /// Lower triangle.
+    gram: [f64; WIDTH * WIDTH],
+    isa: Isa,
 }
 
-impl<const N: usize> LaneSums<N> {
+impl<const N: usize> RowSums<N> {
+    const STRIDE: usize = if N < NARROW { NARROW } else { WIDTH };
+
+    fn new() -> RowSums<N> {
+        let (rows, gram) = ([0.0; AT_ONCE * WIDTH], [0.0; WIDTH * WIDTH]);
+        RowSums { rows, waiting: 0, gram, isa: Isa::for_work(0) }
+    }
+
+    /// The first rows of a contact, its distance's and then its normal's.
     #[inline(always)]
-    fn add(&mut self, residuals: Lanes, columns: &[Lanes; N], [of_distance, of_normal]: [f64; 2]) {
-        let weights = [of_distance, of_normal, of_normal, of_normal];
-        add_products(&mut self.sum, &products(weights, residuals), &residuals);
-        for i in 0..N {
-            let heavy = products(weights, columns[i]);
-            add_products(&mut self.gradient[i], &heavy, &residuals);
-            for j in 0..=i {
-                add_products(&mut self.matrix[i][j], &heavy, &columns[j]);
-            }
+    fn add(&mut self, residuals: Lanes, columns: &[Lanes; N], weights: [f64; 2], told: usize) {
+        if self.waiting + ROWS > AT_ONCE {
+            self.gather();
         }
+        let [of_distance, of_normal] = weights.map(f64::sqrt);
+        for (r, by) in [of_distance, of_normal, of_normal, of_normal].into_iter().enumerate().take(told) {
+            let row = &mut self.rows[(self.waiting + r) * Self::STRIDE..][..Self::STRIDE];
+            for k in 0..N {
+                row[k] = by * columns[k][r];
+            }
+            row[N] = by * residuals[r];
+        }
+        self.waiting += told;
+    }
+
+    fn gather(&mut self) {
+        gram_rows(self.isa, Self::STRIDE, &self.rows[..self.waiting * Self::STRIDE], &mut self.gram);
+        self.waiting = 0;
     }
 
     /// By all unknowns.
-    fn spread(&self, unknowns: [usize; N]) -> NormalEquations {
+    fn spread(mut self, unknowns: [usize; N]) -> NormalEquations {
+        self.gather();
+        let of = |i: usize, j: usize| self.gram[i * Self::STRIDE + j];
         let (mut matrix, mut gradient) = ([[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS], [0.0; MOST_UNKNOWNS]);
         (0..MOST_UNKNOWNS).for_each(|k| matrix[k][k] = 1.0);
         for i in 0..N {
-            gradient[unknowns[i]] = self.gradient[i].iter().sum();
+            gradient[unknowns[i]] = of(N, i);
             for j in 0..=i {
-                matrix[unknowns[i]][unknowns[j]] = self.matrix[i][j].iter().sum();
-                matrix[unknowns[j]][unknowns[i]] = matrix[unknowns[i]][unknowns[j]];
+                matrix[unknowns[i]][unknowns[j]] = of(i, j);
+                matrix[unknowns[j]][unknowns[i]] = of(i, j);
             }
         }
-        NormalEquations { matrix, gradient, sum: self.sum.iter().sum() }
+        NormalEquations { matrix, gradient, sum: of(N, N) }
     }
-}
-
-#[inline(always)]
-fn products(a: Lanes, b: Lanes) -> Lanes {
-    [a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]]
-}
-
-#[inline(always)]
-fn add_products(sum: &mut Lanes, a: &Lanes, b: &Lanes) {
-    *sum = [sum[0] + a[0] * b[0], sum[1] + a[1] * b[1], sum[2] + a[2] * b[2], sum[3] + a[3] * b[3]];
 }
 
 #[cfg(test)]
