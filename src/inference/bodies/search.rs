@@ -120,3 +120,22 @@ fn keep_better(best: &mut Vec<Mode>, candidates: &[Candidate], few: &BodySample,
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_geometry::contact::Rounding;
+
+    #[test]
+    fn the_same_contacts_are_looked_at_once_and_others_by_themselves() {
+        let tuning = Tuning::default();
+        let of = |k: usize| (0.7 * k as f64).sin_cos();
+        let points: Vec<[f64; 3]> = (0..12).map(|k| [of(k).0, of(k).1, 0.1 * k as f64]).collect();
+        let sample = BodySample::new(&points, &[], Rounding::NONE).unwrap();
+        let search = ModeSearch::new(&tuning);
+        let found = search.modes(&sample);
+        assert!(!found.is_empty() && Arc::ptr_eq(&found, &search.modes(&sample.clone())));
+        let fewer = sample.only(&(0..11).collect::<Vec<usize>>());
+        assert!(search.modes(&fewer).iter().all(|mode| mode.weights.len() == 11));
+    }
+}

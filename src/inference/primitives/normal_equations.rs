@@ -68,7 +68,7 @@ fn over<const N: usize>(
     (primitive, facing): (&Primitive, Facing),
     contacts: impl Iterator<Item = WeightedContact>,
 ) -> NormalEquations {
-    let mut sums = RowSums::new();
+    let mut sums = ContactGram::new();
     for WeightedContact { point, normal, weights } in contacts {
         let q = primitive.own(point);
         let jet = form.jet(q);
@@ -172,7 +172,7 @@ const WIDTH: usize = 16;
 const NARROW: usize = 8;
 
 /// Sums over the free unknowns alone, the residual being one of them.
-struct RowSums<const N: usize> {
+struct ContactGram<const N: usize> {
     rows: [f64; AT_ONCE * WIDTH],
     waiting: usize,
     /// Lower triangle.
@@ -180,12 +180,12 @@ struct RowSums<const N: usize> {
     isa: Isa,
 }
 
-impl<const N: usize> RowSums<N> {
+impl<const N: usize> ContactGram<N> {
     const STRIDE: usize = if N < NARROW { NARROW } else { WIDTH };
 
-    fn new() -> RowSums<N> {
+    fn new() -> ContactGram<N> {
         let (rows, gram) = ([0.0; AT_ONCE * WIDTH], [0.0; WIDTH * WIDTH]);
-        RowSums { rows, waiting: 0, gram, isa: Isa::for_work(0) }
+        ContactGram { rows, waiting: 0, gram, isa: Isa::for_work(0) }
     }
 
     /// The first rows of a contact, its distance's and then its normal's.

@@ -296,3 +296,46 @@ fn distances(data: &Data, options: &FitOptions, fitted: &Fitted) -> Distances {
     });
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::fit_contacts;
+    use palpate_geometry::contact::Contacts;
+    use palpate_numeric::draws::Lcg;
+
+    /// Touches of a bar with normals, of which every eighth slips.
+    fn slipping(generator: &mut Lcg) -> Contacts {
+        let one = |k: usize| {
+            let (a, y) = (1.6 * generator.uniform() - 0.8, 4.0 * generator.uniform());
+            let mut err = |sd: f64| sd * generator.normal();
+            let slip = if k.is_multiple_of(8) { 0.3 } else { 0.0 };
+            let point = [5.0 * a.sin(), y, 5.0 * a.cos() + err(0.02) + slip];
+            (point, [a.sin() + err(0.03), err(0.03) + slip, a.cos()])
+        };
+        let (points, normals): (Vec<[f64; 3]>, Vec<[f64; 3]>) = (0..160).map(one).unzip();
+        Contacts::from_points(&points).with_normal_vectors(&normals)
+    }
+
+    /// Fits between two reweightings are rough, and weights run ahead of them: what is reached is what the answer's own residuals say.
+    #[test]
+    fn weights_of_an_answer_are_those_of_its_residuals() {
+        let contacts = slipping(&mut Lcg::new(5));
+        for (robust, loss) in [(Robust::Huber, Loss::Huber), (Robust::Tukey, Loss::Tukey)] {
+            for objective in [Objective::Auto, Objective::Slopes(SlopeWeights::Auto)] {
+                let options = FitOptions::default().with_robust(robust).with_objective(objective);
+                let fit = fit_contacts(&contacts, &options).unwrap();
+                let (data, fitted) = (&fit.solved.data, &fit.solved.fitted);
+                let found = distances(data, &options, fitted);
+                let kinds = [&found.z, &found.slope];
+                let expected = [0, 1].map(|k| weigh(kinds[k], scale(kinds[k], k), loss));
+                let weights = fit.loss_weights().unwrap();
+                for k in 0..2 {
+                    let off = weights[k].iter().zip(&expected[k]).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+                    assert!(off < 2.0 * CONVERGED, "{robust:?} {objective:?}: {off}");
+                    assert!(weights[k].iter().any(|w| *w < 0.7), "no slip has lost weight");
+                }
+            }
+        }
+    }
+}

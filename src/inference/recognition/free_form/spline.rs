@@ -259,6 +259,27 @@ mod tests {
         }
     }
 
+    /// Corners of the box that no contact is near: the spline goes on there as it bends, and does not bend to the outermost samples.
+    #[test]
+    fn a_height_field_beside_empty_corners_is_the_surface() {
+        let noise = |k: usize| 0.01 * (2.3 * k as f64).sin();
+        let turned = |(a, y): (f64, f64)| {
+            let [along, across] = [y, 25.0 * a.sin()].map(|v| v / 2.0_f64.sqrt());
+            [along - across, along + across, 25.0 * a.cos()]
+        };
+        let places = (0..200).map(|k| (1.2 * (0.618 * k as f64).fract() - 0.6, 40.0 * (0.755 * k as f64).fract()));
+        let points: Vec<Vector> = places.enumerate().map(|(k, at)| turned(at).map(|v| v + noise(k))).collect();
+        let found = Recognition::of(&Contacts::from_points(&points), &RecognitionOptions::default()).unwrap();
+        let RecognisedSpline::Height { surface, fit } = found.spline().unwrap() else { panic!("no height field") };
+        assert!(!fit.without_data().is_empty(), "all corners have samples");
+        let off = found.map.iter().filter(|here| here.supported).map(|here| {
+            let [x, y, z] = here.position;
+            (surface.at(x, y).z - z).abs()
+        });
+        let most = off.fold(0.0, f64::max);
+        assert!(most < 0.1 * found.noise.sd_z, "{most} beside {}", found.noise.sd_z);
+    }
+
     #[test]
     fn a_level_patch_becomes_a_height_field_and_half_a_pipe_a_map() {
         let found = Recognition::of(&cylinder(0.8), &RecognitionOptions::default()).unwrap();

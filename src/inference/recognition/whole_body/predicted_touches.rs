@@ -70,8 +70,8 @@ mod tests {
     use palpate_numeric::vector::Vector;
 
     /// A bar of radius 10 along y, touched at 40 places of its upper side, to 80 degrees from the top, with errors of 0.05.
-    fn bar() -> Contacts {
-        let draws = EffectDraws::new(9, "predicted");
+    fn bar(seed: u64) -> Contacts {
+        let draws = EffectDraws::new(seed, "predicted");
         let point = |k: u64| {
             let mut error = [0.0; 3];
             draws.gaussians(k, 0, 3, &mut error);
@@ -91,7 +91,7 @@ mod tests {
     fn touches_over_a_body_are_predicted_and_beyond_its_edge_nothing() {
         let options = RecognitionOptions::default().with_up([0.0, 0.0, 1.0]);
         let places = [[0.0, 0.0], [6.0, 3.0], [0.0, 30.0], [40.0, 0.0]];
-        let found = Recognition::with_predictions(&bar(), &options, &places).unwrap();
+        let found = Recognition::with_predictions(&bar(9), &options, &places).unwrap();
         assert!(found.surface.body().is_some());
         let draws = &found.predictive;
         assert!(draws.len() >= 64 && (draws.iter().map(|d| d.share).sum::<f64>() - 1.0).abs() < 1e-12);
@@ -103,14 +103,21 @@ mod tests {
         );
     }
 
+    /// The draws of one body scatter by a tenth otherwise than all of them would, and alike over the map: bodies are averaged.
     #[test]
     fn over_the_map_the_predictions_scatter_as_its_uncertainties_say() {
-        let found = Recognition::of(&bar(), &RecognitionOptions::default().with_up([0.0, 0.0, 1.0])).unwrap();
-        let draws = found.predicted_over_map();
-        let body = found.surface.body().unwrap();
-        for (k, point) in found.map.iter().enumerate().filter(|(_, p)| p.supported) {
-            let ratio = sd(&draws, k, 0) / body.sds_at(point.position)[0];
-            assert!((0.7..1.4).contains(&ratio), "{k}: {ratio}");
-        }
+        let of_body = |seed: u64| {
+            let options = RecognitionOptions::default().with_up([0.0, 0.0, 1.0]);
+            let found = Recognition::of(&bar(seed), &options).unwrap();
+            let (draws, body) = (found.predicted_over_map(), found.surface.body().unwrap());
+            let supported = found.map.iter().enumerate().filter(|(_, p)| p.supported);
+            let ratios: Vec<f64> =
+                supported.map(|(k, point)| sd(&draws, k, 0) / body.sds_at(point.position)[0]).collect();
+            assert!(ratios.iter().all(|ratio| (0.5..2.0).contains(ratio)), "{seed}: {ratios:?}");
+            ratios.iter().map(|ratio| ratio * ratio).sum::<f64>() / ratios.len() as f64
+        };
+        const BODIES: u64 = 12;
+        let mean = (0..BODIES).map(of_body).sum::<f64>() / BODIES as f64;
+        assert!((0.85..1.15).contains(&mean), "{mean}");
     }
 }
