@@ -10,6 +10,7 @@
 //! the shape for an error. An error as large as the relief would explain anything, so tau is limited.
 //! C. E. Rasmussen, C. K. I. Williams, *Gaussian Processes for Machine Learning*, MIT Press 2006, section 4.2.
 
+use std::borrow::Borrow;
 use std::sync::OnceLock;
 
 use faer::Mat;
@@ -60,16 +61,32 @@ impl Kernel {
 
     /// Lower factor of `diag(variance) + rho exp(-r/l)`.
     pub(crate) fn factor(&self, variance: &[f64], distances: &Mat<f64>) -> Option<Mat<f64>> {
+        self.factor_of(variance, || correlation(self.length, distances))
+    }
+
+    /// The same from the lower triangle of `exp(-r/l)`, which errors of every size have in common.
+    fn factor_of<M: Borrow<Mat<f64>>>(&self, variance: &[f64], correlation: impl FnOnce() -> M) -> Option<Mat<f64>> {
         let n = variance.len();
         if self.ratio == 0.0 {
             return Some(Mat::from_fn(n, n, |i, j| if i == j { variance[i].sqrt() } else { 0.0 }));
         }
-        let along = ExponentialCorrelation::Length(self.length);
-        dense::cholesky(&Mat::from_fn(n, n, |i, j| {
-            let shared = self.ratio * along.at(distances[(i, j)]);
-            if i == j { shared + variance[i] } else { shared }
-        }))
+        let mut covariance = Mat::zeros(n, n);
+        let correlation = correlation();
+        for (j, own) in variance.iter().enumerate() {
+            let column = &mut covariance.col_as_slice_mut(j)[j..];
+            let along = &correlation.borrow().col_as_slice(j)[j..];
+            column.iter_mut().zip(along).for_each(|(entry, along)| *entry = self.ratio * along);
+            column[0] += own;
+        }
+        dense::cholesky(&covariance)
     }
+}
+
+/// Lower triangle of `exp(-r/l)`.
+fn correlation(length: f64, distances: &Mat<f64>) -> Mat<f64> {
+    let along = ExponentialCorrelation::Length(length);
+    let of = |i: usize, j: usize| if i < j { 0.0 } else { along.at(distances[(i, j)]) };
+    Mat::from_fn(distances.nrows(), distances.nrows(), of)
 }
 
 /// Factors of the covariance under every kernel, each computed when it is first asked for.
@@ -79,6 +96,8 @@ pub(crate) struct Factors<'a> {
     /// Floors of the errors of a cell.
     pub(super) floors: Floors,
     kernels: Vec<Kernel>,
+    /// Of every length.
+    correlations: [OnceLock<Mat<f64>>; LENGTHS.len()],
     found: Vec<OnceLock<Option<Mat<f64>>>>,
 }
 
@@ -86,7 +105,7 @@ impl<'a> Factors<'a> {
     pub(crate) fn new(variance: &'a [f64], distances: &'a Mat<f64>, floors: Floors) -> Factors<'a> {
         let kernels = Kernel::all();
         let found = kernels.iter().map(|_| OnceLock::new()).collect();
-        Factors { variance, distances, floors, kernels, found }
+        Factors { variance, distances, floors, kernels, correlations: Default::default(), found }
     }
 
     /// Relative variances on the diagonal.
@@ -101,7 +120,9 @@ impl<'a> Factors<'a> {
 
     /// Lower factor under a kernel.
     pub(crate) fn of(&self, kernel: usize) -> Option<&Mat<f64>> {
-        self.found[kernel].get_or_init(|| self.kernels[kernel].factor(self.variance, self.distances)).as_ref()
+        let chain = kernel.saturating_sub(1) / RATIOS.len();
+        let along = || self.correlations[chain].get_or_init(|| correlation(LENGTHS[chain], self.distances));
+        self.found[kernel].get_or_init(|| self.kernels[kernel].factor_of(self.variance, along)).as_ref()
     }
 }
 
