@@ -133,7 +133,7 @@ fn by_side_of_normals(found: &Primitive, sample: &BodySample, tuning: &Tuning) -
 }
 
 /// Whether distances have a kurtosis near 1, the farthest counted or, since they may be false, not.
-pub(crate) fn lie_on_two_sheets(distances: &[f64], tuning: &Tuning) -> bool {
+fn lie_on_two_sheets(distances: &[f64], tuning: &Tuning) -> bool {
     let mut sizes: Vec<f64> = distances.iter().map(|d| d.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     let twice_expected = 2.0 / (1.0 + tuning.false_prior);

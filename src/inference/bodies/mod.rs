@@ -52,7 +52,6 @@ mod tuning;
 
 pub(crate) use body_hypothesis::BodyHypothesis;
 pub(crate) use body_posterior::BodyPosterior;
-pub(crate) use candidates::lie_on_two_sheets;
 pub(crate) use chart::BodyChart;
 pub(crate) use coordinates::Symmetry;
 pub(crate) use division::is_simple;

@@ -19,7 +19,7 @@ mod predicted_touches;
 
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
-use palpate_numeric::statistics::mad;
+use palpate_numeric::statistics::{kurtosis_about_zero, mad};
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
 use exchanged_axes::agreeing_order_by_neighbours;
@@ -302,7 +302,7 @@ fn has_two_peaks(found: &Recognition, given: &Observations, tuning: &Tuning) -> 
     if given.points.len() < tuning.peaks_from {
         return false;
     }
-    bodies::lie_on_two_sheets(&distances(found, &given.points), tuning)
+    kurtosis_about_zero(&distances(found, &given.points)) < tuning.two_peaks
 }
 
 fn all_around(normals: &[Vector]) -> RecognitionError {
