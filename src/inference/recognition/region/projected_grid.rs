@@ -1,9 +1,10 @@
 //! The surface over an even grid of the input's x and y, where it stands nowhere steep over them.
 //!
 //! ```text
-//! wanted (x, y):   p = nearest point of the surface to (x + dx, y + dy, z)
-//!                  dx += x - p_x      dy += y - p_y      z = height of p's tangent plane over (x, y)
+//! wanted (x, y):   chart of p += chart of q - chart of p      q: place over (x, y) in the surface's tangent plane at p
 //! ```
+//!
+//! Where the chart is that of p's base these are Newton's steps, on however steep a slope.
 //!
 //! A fit that names its model takes its means over such a grid, and so does whoever reads `maps.csv`. A recognition does
 //! the same wherever it can. Steeper patches keep the grid of their chart.
@@ -103,7 +104,6 @@ pub(super) fn bounds(points: impl Iterator<Item = Vector>) -> [[f64; 2]; 2] {
 
 /// The surface's point over a place, from a chart position near it, and whether the surface reaches so far.
 fn above(surface: &PatchSurface, wanted: [f64; 2], mut chart: [f64; 2]) -> (ChartPoint, bool) {
-    let mut asked: Option<[f64; 2]> = None;
     for _ in 0..STEPS {
         let here = surface.chart_point(chart[0], chart[1]);
         let (point, normal) = surface.place_and_normal(&here);
@@ -115,11 +115,9 @@ fn above(surface: &PatchSurface, wanted: [f64; 2], mut chart: [f64; 2]) -> (Char
         if normal[2].is_nan() || normal[2] <= 0.1 * STEEP {
             break;
         }
-        let from = asked.unwrap_or([point[0], point[1]]);
-        let next = [0, 1].map(|k| from[k] + missed[k]);
-        asked = Some(next);
         let z = point[2] - (normal[0] * missed[0] + normal[1] * missed[1]) / normal[2];
-        chart = surface.chart_of([next[0], next[1], z]);
+        let [from, to] = [point, [wanted[0], wanted[1], z]].map(|place| surface.chart_of(place));
+        chart = [0, 1].map(|k| chart[k] + to[k] - from[k]);
     }
     (surface.chart_point(chart[0], chart[1]), false)
 }
