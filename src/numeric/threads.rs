@@ -1,7 +1,8 @@
 //! Work on several threads, or on one where the feature `threads` is off: the same calls, in the same pieces, the same bits.
 //!
 //! Every caller cuts its work into pieces that do not depend on the number of threads, and adds their results in a
-//! fixed order. A piece that takes no longer than handing it over is done where it is. Without the feature the pieces are done one after another, and neither rayon nor faer's threads are built.
+//! fixed order. A piece that takes no longer than handing it over is done where it is. Without the feature the pieces are
+//! done one after another, and neither rayon nor faer's threads are built.
 
 #[cfg(feature = "threads")]
 pub use several::{alone, any, each, join, map, map_with, try_map};

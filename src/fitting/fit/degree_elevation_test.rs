@@ -4,9 +4,9 @@
 //! F = [(rss(p) - rss(p + 2)) / (unknowns(p + 2) - unknowns(p))] / [rss(p + 2) / (rows - unknowns(p + 2))]
 //! ```
 //!
-//! Both sums of squares are taken under the noise that the richer field finds, and under the weights that a robust loss gives it. While F rejects the poorer field at 1 %, the
-//! degree is raised, twice at most: a degree of 8 follows the sensor's errors at the edges. The step is 2, because over a patch
-//! that is touched evenly an odd degree adds next to nothing to means.
+//! Both sums of squares are taken under the noise that the richer field finds, and under the weights that a robust loss gives
+//! it. While F rejects the poorer field at 1 %, the degree is raised, twice at most: a degree of 8 follows the sensor's errors
+//! at the edges. The step is 2, because over a patch that is touched evenly an odd degree adds next to nothing to means.
 
 use std::borrow::Cow;
 

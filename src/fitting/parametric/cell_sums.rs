@@ -7,84 +7,62 @@
 
 use super::cells::Row;
 use super::vector::Vector;
-use palpate_numeric::linalg::BlockMatrix;
-use palpate_numeric::simd::{Isa, RowTerm, combine_rows, gram_rows};
-
-/// Rows that are gathered before they are multiplied out: with 56 columns they fill a first-level cache.
-const CHUNK: usize = 64;
+use palpate_numeric::linalg::{BlockMatrix, GramOfRows};
+use palpate_numeric::simd::{Isa, RowTerm, combine_rows};
 
 /// Sums over the rows of one cell, and the buffers that they are made in.
 #[derive(Clone, Debug)]
 pub(super) struct Gather {
     isa: Isa,
     local: usize,
-    stride: usize,
-    rows: Vec<f64>,
-    filled: usize,
-    gram: Vec<f64>,
-    any: bool,
+    gram: GramOfRows,
 }
 
 impl Gather {
     /// For cells with `local` nonzero coefficients.
     pub(super) fn new(local: usize) -> Gather {
-        let stride = (3 * local + 1).next_multiple_of(8);
-        let (rows, gram) = (vec![0.0; CHUNK * stride], vec![0.0; stride * stride]);
-        Gather { isa: Isa::active(), local, stride, rows, filled: 0, gram, any: false }
+        let isa = Isa::active();
+        Gather { isa, local, gram: GramOfRows::new(isa, 3 * local + 1) }
     }
 
     /// Begins the next cell.
     pub(super) fn clear(&mut self) {
-        self.gram.fill(0.0);
-        (self.filled, self.any) = (0, false);
+        self.gram.clear();
     }
 
     /// Adds the row `sum_k direction_k (x) products_k` with its target.
     #[inline]
     pub(super) fn add(&mut self, terms: &[RowTerm<'_>], target: f64) {
-        if self.filled == CHUNK {
-            self.multiply_out();
-        }
-        self.any = true;
-        let row = &mut self.rows[self.filled * self.stride..(self.filled + 1) * self.stride];
-        self.filled += 1;
+        let row = self.gram.next_row();
         combine_rows(self.isa, self.local, terms, row);
         row[3 * self.local] = target;
     }
 
     /// Adds `direction (x) products` to the right-hand side alone.
     pub(super) fn add_right(&mut self, direction: Vector, products: &[f64]) {
-        self.any = true;
-        let last = 3 * self.local * self.stride;
-        for (part, w) in self.gram[last..last + 3 * self.local].chunks_exact_mut(self.local).zip(direction) {
+        let sums = &mut self.gram.sums_mut(3 * self.local)[..3 * self.local];
+        for (part, w) in sums.chunks_exact_mut(self.local).zip(direction) {
             part.iter_mut().zip(products).for_each(|(r, p)| *r += w * p);
         }
     }
 
-    fn multiply_out(&mut self) {
-        gram_rows(self.isa, self.stride, &self.rows[..self.filled * self.stride], &mut self.gram);
-        self.filled = 0;
-    }
-
     /// Multiplies out the rows that are left.
     pub(super) fn finish(&mut self) {
-        if self.filled > 0 {
-            self.multiply_out();
-        }
+        self.gram.finish();
     }
 
     /// Adds the cell, whose coefficients have the numbers `alive`, to the matrix and the right-hand side.
     pub(super) fn scatter(&self, alive: &[usize], matrix: &mut BlockMatrix, rhs: &mut [f64]) {
-        if !self.any {
+        if self.gram.is_empty() {
             return;
         }
-        let (local, last) = (self.local, 3 * self.local * self.stride);
+        let local = self.local;
         for (alpha, &row) in alive.iter().enumerate() {
-            (0..3).for_each(|d| rhs[3 * row + d] += self.gram[last + d * local + alpha]);
+            (0..3).for_each(|d| rhs[3 * row + d] += self.gram.at(3 * local, d * local + alpha));
             for (beta, &column) in alive[..=alpha].iter().enumerate() {
                 let at = |a: usize, b: usize| {
                     let (i, j) = (a * local + alpha, b * local + beta);
-                    self.gram[i.max(j) * self.stride + i.min(j)]
+                    self.gram.at(i.max(j), i.min(j))
                 };
                 if column <= row {
                     matrix.add(row, column, &[0, 1, 2].map(|a| [0, 1, 2].map(|b| at(a, b))));

@@ -14,8 +14,9 @@ use super::placed::{MOST_UNKNOWNS, PartKind, Primitive, free};
 use palpate_geometry::primitives::{
     self as forms, Cone, Cylinder, DistanceJet, Plane, Sphere, Torus, TriaxialEllipsoid,
 };
+use palpate_numeric::linalg::GramOfRows;
 use palpate_numeric::linalg::small::Square;
-use palpate_numeric::simd::{Isa, gram_rows};
+use palpate_numeric::simd::Isa;
 use palpate_numeric::vector::{Vector, dot};
 
 /// A contact with one over the variances of its distance and of its normal.
@@ -68,7 +69,8 @@ fn over<const N: usize>(
     (primitive, facing): (&Primitive, Facing),
     contacts: impl Iterator<Item = WeightedContact>,
 ) -> NormalEquations {
-    let mut sums = ContactGram::new();
+    // of a few contacts, which are not worth the wider registers
+    let mut gram = GramOfRows::new(Isa::for_work(0), N + 1);
     for WeightedContact { point, normal, weights } in contacts {
         let q = primitive.own(point);
         let jet = form.jet(q);
@@ -81,9 +83,9 @@ fn over<const N: usize>(
             columns[k] = rows.column(unknowns[k]);
         }
         let told = if normal.is_some() { ROWS } else { 1 };
-        sums.add(rows.residuals(outwards), &columns, weights, told);
+        add(&mut gram, rows.residuals(outwards), &columns, weights, told);
     }
-    sums.spread(unknowns)
+    spread(gram, unknowns)
 }
 
 /// A residual and its derivatives by all unknowns.
@@ -164,67 +166,32 @@ fn turned(axis: usize, v: Vector) -> Vector {
     }
 }
 
-/// Rows that are summed at once: a tile of the matrix stays in registers over all of them.
-const AT_ONCE: usize = 64;
-
-/// Entries of a row, its residual behind the unknowns: whole sets of lanes.
-const WIDTH: usize = 16;
-const NARROW: usize = 8;
-
-/// Sums over the free unknowns alone, the residual being one of them.
-struct ContactGram<const N: usize> {
-    rows: [f64; AT_ONCE * WIDTH],
-    waiting: usize,
-    /// Lower triangle.
-    gram: [f64; WIDTH * WIDTH],
-    isa: Isa,
+/// Adds the first rows of a contact, its distance's and then its normal's, each with its residual behind the unknowns.
+#[inline(always)]
+fn add<const N: usize>(gram: &mut GramOfRows, residuals: Lanes, columns: &[Lanes; N], weights: [f64; 2], told: usize) {
+    let [of_distance, of_normal] = weights.map(f64::sqrt);
+    for (r, by) in [of_distance, of_normal, of_normal, of_normal].into_iter().enumerate().take(told) {
+        let row = &mut gram.next_row()[..=N];
+        for k in 0..N {
+            row[k] = by * columns[k][r];
+        }
+        row[N] = by * residuals[r];
+    }
 }
 
-impl<const N: usize> ContactGram<N> {
-    const STRIDE: usize = if N < NARROW { NARROW } else { WIDTH };
-
-    fn new() -> ContactGram<N> {
-        let (rows, gram) = ([0.0; AT_ONCE * WIDTH], [0.0; WIDTH * WIDTH]);
-        ContactGram { rows, waiting: 0, gram, isa: Isa::for_work(0) }
-    }
-
-    /// The first rows of a contact, its distance's and then its normal's.
-    #[inline(always)]
-    fn add(&mut self, residuals: Lanes, columns: &[Lanes; N], weights: [f64; 2], told: usize) {
-        if self.waiting + ROWS > AT_ONCE {
-            self.gather();
+/// By all unknowns.
+fn spread<const N: usize>(mut gram: GramOfRows, unknowns: [usize; N]) -> NormalEquations {
+    gram.finish();
+    let (mut matrix, mut gradient) = ([[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS], [0.0; MOST_UNKNOWNS]);
+    (0..MOST_UNKNOWNS).for_each(|k| matrix[k][k] = 1.0);
+    for i in 0..N {
+        gradient[unknowns[i]] = gram.at(N, i);
+        for j in 0..=i {
+            matrix[unknowns[i]][unknowns[j]] = gram.at(i, j);
+            matrix[unknowns[j]][unknowns[i]] = gram.at(i, j);
         }
-        let [of_distance, of_normal] = weights.map(f64::sqrt);
-        for (r, by) in [of_distance, of_normal, of_normal, of_normal].into_iter().enumerate().take(told) {
-            let row = &mut self.rows[(self.waiting + r) * Self::STRIDE..][..Self::STRIDE];
-            for k in 0..N {
-                row[k] = by * columns[k][r];
-            }
-            row[N] = by * residuals[r];
-        }
-        self.waiting += told;
     }
-
-    fn gather(&mut self) {
-        gram_rows(self.isa, Self::STRIDE, &self.rows[..self.waiting * Self::STRIDE], &mut self.gram);
-        self.waiting = 0;
-    }
-
-    /// By all unknowns.
-    fn spread(mut self, unknowns: [usize; N]) -> NormalEquations {
-        self.gather();
-        let of = |i: usize, j: usize| self.gram[i * Self::STRIDE + j];
-        let (mut matrix, mut gradient) = ([[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS], [0.0; MOST_UNKNOWNS]);
-        (0..MOST_UNKNOWNS).for_each(|k| matrix[k][k] = 1.0);
-        for i in 0..N {
-            gradient[unknowns[i]] = of(N, i);
-            for j in 0..=i {
-                matrix[unknowns[i]][unknowns[j]] = of(i, j);
-                matrix[unknowns[j]][unknowns[i]] = of(i, j);
-            }
-        }
-        NormalEquations { matrix, gradient, sum: of(N, N) }
-    }
+    NormalEquations { matrix, gradient, sum: gram.at(N, N) }
 }
 
 #[cfg(test)]

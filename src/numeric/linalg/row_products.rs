@@ -9,11 +9,12 @@
 //! Scattered sites are visited one by one, grids row by row; both give the same bits, except that the matrix of a grid
 //! whose weights differ is summed in another order.
 
+use super::gram_of_rows::GramOfRows;
 use super::grid_assembly::assemble_grid;
 use super::grid_rows::{GridRows, visit_cells, visit_lines};
 use super::sites::{RowWeights, Site, SiteWeights, Sites, Targets, add_transposed, site_rows};
 use super::stencil::{StencilMatrix, TensorShape};
-use crate::simd::{Isa, gram_rows};
+use crate::simd::Isa;
 use crate::work;
 
 /// Weights that leave every row as it is.
@@ -137,54 +138,29 @@ pub fn assemble(sites: &impl Sites, row_weights: &RowWeights, out: &mut StencilM
     local.scatter(out);
 }
 
-/// Numbers in a whole set of lanes.
-const LANES: usize = 8;
-
-/// Rows of one cell that wait to be added to its matrix: a tile of the matrix stays in registers over all of them.
-const WAITING: usize = 96;
-
 /// One cell's matrix, its lower triangle, by the basis functions `(a, b)` of the cell.
 struct LocalMatrix {
     first: [usize; 2],
     width: [usize; 2],
-    /// Entries of a row of the matrix, and of a waiting row: whole sets of lanes.
-    stride: usize,
-    rows: Vec<f64>,
-    matrix: Vec<f64>,
-    touched: bool,
     columns: usize,
-    isa: Isa,
+    gram: GramOfRows,
 }
 
 impl LocalMatrix {
     fn new(shape: TensorShape, sites: usize) -> LocalMatrix {
         let width = shape.degree.map(|d| d + 1);
-        let stride = (width[0] * width[1]).next_multiple_of(LANES);
-        LocalMatrix {
-            first: [0, 0],
-            width,
-            stride,
-            rows: Vec::with_capacity(WAITING * stride),
-            matrix: vec![0.0; stride * stride],
-            touched: false,
-            columns: shape.basis[1],
-            isa: Isa::for_work(sites),
-        }
+        let gram = GramOfRows::new(Isa::for_work(sites), width[0] * width[1]);
+        LocalMatrix { first: [0, 0], width, columns: shape.basis[1], gram }
     }
 
     fn add(&mut self, site: &Site, w: &SiteWeights) {
-        if self.rows.len() + 3 * self.stride > WAITING * self.stride {
-            self.gather();
-        }
         // weights of N_a M_b, N'_a M_b and N_a M'_b in each row
         for [w_value, w_x, w_y] in [[w.z, 0.0, 0.0], [0.0, w.a, w.b], [0.0, 0.0, w.d]] {
             if w_value == 0.0 && w_x == 0.0 && w_y == 0.0 {
                 continue;
             }
-            let start = self.rows.len();
-            self.rows.resize(start + self.stride, 0.0);
             let along = site.x.iter().zip(site.dx);
-            for (part, (x, dx)) in self.rows[start..].chunks_exact_mut(self.width[1]).zip(along) {
+            for (part, (x, dx)) in self.gram.next_row().chunks_exact_mut(self.width[1]).zip(along) {
                 let (of_value, of_slope) = (w_value * x + w_x * dx, w_y * x);
                 let across = site.y.iter().zip(site.dy);
                 part.iter_mut().zip(across).for_each(|(row, (y, dy))| *row = of_value * y + of_slope * dy);
@@ -192,18 +168,11 @@ impl LocalMatrix {
         }
     }
 
-    /// Adds the waiting rows to the matrix.
-    fn gather(&mut self) {
-        self.touched |= !self.rows.is_empty();
-        gram_rows(self.isa, self.stride, &self.rows, &mut self.matrix);
-        self.rows.clear();
-    }
-
     fn scatter(&mut self, out: &mut StencilMatrix) {
-        self.gather();
-        if !self.touched {
+        if self.gram.is_empty() {
             return;
         }
+        self.gram.finish();
         let [_, m] = self.width;
         for row in 0..self.width[0] * m {
             let (a, b) = (row / m, row % m);
@@ -211,10 +180,9 @@ impl LocalMatrix {
             for column in 0..=row {
                 let (k, l) = (column / m, column % m);
                 let position = out.position(unknown, a - k, l + m - 1 - b);
-                out.values_mut()[position] += self.matrix[row * self.stride + column];
+                out.values_mut()[position] += self.gram.at(row, column);
             }
         }
-        self.matrix.fill(0.0);
-        self.touched = false;
+        self.gram.clear();
     }
 }

@@ -11,6 +11,7 @@ use crate::fit::linear::equations::{Equations, packed_cells};
 use crate::fit::linear::solution::Solution;
 use crate::fit::noise::sds::RowSds;
 use crate::fit::objective::budget::Budget;
+use crate::fit::objective::extrapolation::LastStep;
 use crate::fit::placing::sites::DataSites;
 use crate::fit::{FitError, Method};
 use crate::observation::{Measured, Roughness, angular_residual_squared, linearise_normals};
@@ -122,14 +123,13 @@ impl NormalProblem<'_> {
         Err(FitError::NotSettled { steps: MAX_STEPS, moved })
     }
 
-    /// Full steps from a minimum found roughly, until they are rounding. After two steps their contraction `rho` gives the
-    /// sum of all that would follow, `c + d (rho + rho^2 + ...)` (A. C. Aitken, Proc. Roy. Soc. Edinburgh 46 (1926) 289).
+    /// Full steps from a minimum found roughly, until they are rounding, those that would follow two of them at once.
     ///
     /// # Errors
     /// Where a linear step has no solution.
     pub(super) fn polish(&self, mut found: Minimum) -> Result<Minimum, FitError> {
         let mut from = found.solution.coefficients.clone();
-        let mut before: Option<Vec<f64>> = None;
+        let mut before = LastStep::default();
         let mut last = f64::INFINITY;
         for _ in 0..MAX_POLISH {
             let equations = self.linearised(&from);
@@ -149,10 +149,7 @@ impl NormalProblem<'_> {
             if moved <= POLISHED {
                 break;
             }
-            let rho = before.as_ref().map_or(0.0, |b| (dot(&step, b) / dot(b, b)).clamp(0.0, 0.9));
-            from.iter_mut().zip(&step).for_each(|(c, d)| *c += rho / (1.0 - rho) * d);
-            // the step after an extrapolation does not show the contraction
-            before = (rho == 0.0).then_some(step);
+            before.extrapolate(&mut from, step);
         }
         Ok(found)
     }

@@ -13,6 +13,7 @@
 pub(super) mod budget;
 mod contraction;
 mod errors_in_variables;
+mod extrapolation;
 pub(super) mod fitted;
 mod gauss_newton;
 mod normals;

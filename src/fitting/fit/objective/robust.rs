@@ -13,12 +13,13 @@ use crate::fit::noise::sds::{MEDIAN_EFFICIENCY, NoiseSds, NoiseSource};
 use crate::fit::noise::traces::hat_traces;
 use crate::fit::notes::Note;
 use crate::fit::objective::budget::Budget;
+use crate::fit::objective::extrapolation::LastStep;
 use crate::fit::objective::fitted::Fitted;
 use crate::fit::objective::{Course, PlainFit};
 use crate::fit::placing::Patch;
 use crate::fit::{FitError, FitOptions, NormalSigma, Objective, Robust, SlopeWeights};
 use crate::observation::{Data, angular_residual_squared};
-use palpate_numeric::linalg::{Sites, dot, visit_values};
+use palpate_numeric::linalg::{Sites, visit_values};
 use palpate_numeric::statistics::{Loss, MAD_TO_SD, RAYLEIGH_TO_SD, upper_median};
 
 /// Scales below this in the patch frame (where data are of size 1) are rounding.
@@ -26,10 +27,8 @@ const NO_NOISE: f64 = 1e-13;
 /// Weights that move by less than this change S and R in the fifth digit at most; Tukey's take some 20 steps to do so.
 const CONVERGED: f64 = 1e-5;
 const MAX_STEPS: usize = 60;
-/// Weights that move by less than this go the way that they have gone.
+/// Weights that move by less than this go the way that they have gone: no loss has then taken or given back most of a contact's weight.
 const SETTLING: f64 = 0.1;
-/// Largest share of the last step that is extrapolated: ten steps ahead.
-const STEEPEST: f64 = 0.9;
 
 /// Residual sizes per site, `None` where the site has no such row.
 struct Distances {
@@ -89,7 +88,7 @@ fn reweight(
 ) -> Result<Reweighted, FitError> {
     let sites = start.equations.sites.len();
     let mut found = Reweighted { fitted: start, weights: [vec![1.0; sites], vec![1.0; sites]], steps: 0, moved: 0.0 };
-    let mut before: Option<Vec<f64>> = None;
+    let mut before = LastStep::default();
     for step in 1..=MAX_STEPS {
         let distances = distances(data, options, &found.fitted);
         let scales = [scale(&distances.z, 0), scale(&distances.slope, 1)];
@@ -109,7 +108,12 @@ fn reweight(
             fitted.noise = NoiseRecord::Known(robust_noise(&fitted, &distances, scales, loss, estimated));
         }
         if !is_last {
-            before = extrapolated(&mut fitted, &found.fitted, before.filter(|_| moved < SETTLING));
+            if moved >= SETTLING {
+                before = LastStep::default();
+            }
+            let (to, from) = (&mut fitted.solution.coefficients, &found.fitted.solution.coefficients);
+            let step = to.iter().zip(from).map(|(a, b)| a - b).collect();
+            before.extrapolate(to, step);
         }
         found = Reweighted { fitted, weights: next, steps: step, moved };
         if is_last {
@@ -117,19 +121,6 @@ fn reweight(
         }
     }
     Ok(found)
-}
-
-/// Moves coefficients by what all steps after this one would add to it if each were the same share of the last, and returns the step, by
-/// which the next shows its share (Aitken, as [`crate::fit::objective::gauss_newton`] has it). A step after such a move shows none.
-fn extrapolated(fitted: &mut Fitted, last: &Fitted, before: Option<Vec<f64>>) -> Option<Vec<f64>> {
-    let (to, from) = (&mut fitted.solution.coefficients, &last.solution.coefficients);
-    let step: Vec<f64> = to.iter().zip(from).map(|(a, b)| a - b).collect();
-    let share = before.map_or(0.0, |before| dot(&step, &before) / dot(&before, &before));
-    if !(share > 0.0 && share <= STEEPEST) {
-        return Some(step);
-    }
-    to.iter_mut().zip(&step).for_each(|(c, d)| *c += share / (1.0 - share) * d);
-    None
 }
 
 /// More contacts would not help where it is the loss that has taken their weight.

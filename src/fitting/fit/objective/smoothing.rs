@@ -34,11 +34,7 @@ pub(super) fn fit_smoothed(
     let order = RoughnessOrder::of_degrees(options.degree);
     let with = |smooth: Smooth| FitOptions { smooth, ..options.clone() };
     // noise sds and linearisation come from a fit with so little smoothing that it only makes the rank full
-    let faint = match order {
-        RoughnessOrder::Second => Smooth::Lambda(1e-9),
-        RoughnessOrder::Third => Smooth::Third(1e-9),
-    };
-    let start = fit_with_loss(patch, data, &with(faint), (plain, budget))?;
+    let start = fit_with_loss(patch, data, &with(Smooth::faint(options.degree)), (plain, budget))?;
     let likelihood = RestrictedLikelihood::new(&start.equations, order, budget);
     let balance = likelihood.balance();
     let decade = |exponent: f64| balance * 10_f64.powf(exponent);

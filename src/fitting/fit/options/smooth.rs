@@ -4,6 +4,11 @@
 //! none    LAMBDA (second derivatives)    third=LAMBDA (alike in all directions)    third=LAMBDA,ASPECT (stretched)    auto: one of these
 //! ```
 
+use crate::observation::RoughnessOrder;
+
+/// Weight of a faint roughness: its share of what data tell is rounding, and the matrix is still far from singular where they tell nothing.
+const FAINT: f64 = 1e-9;
+
 /// Thin-plate roughness penalty of a height field; of a parametric surface the weight of its fairness, in patch units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
@@ -26,4 +31,14 @@ pub enum Smooth {
         /// Length of bends along x over that along y.
         aspect: f64,
     },
+}
+
+impl Smooth {
+    /// So little roughness that it moves nothing that data tell, and continues a spline of these degrees where they tell nothing.
+    pub fn faint(degree: [usize; 2]) -> Smooth {
+        match RoughnessOrder::of_degrees(degree) {
+            RoughnessOrder::Second => Smooth::Lambda(FAINT),
+            RoughnessOrder::Third => Smooth::Third(FAINT),
+        }
+    }
 }

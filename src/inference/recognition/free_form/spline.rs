@@ -36,10 +36,6 @@ const OF_MISFIT: f64 = 1e-3;
 /// The same as a share of the patch's size, for contacts without noise.
 const OF_SIZE: f64 = 1e-7;
 
-/// Weight of the third-order roughness in a height field, which continues it where no sample is: too small to move the spline where it
-/// is held by samples, large enough that the factor stays far from singular.
-const FILLING: f64 = 1e-9;
-
 /// Cells each way of the supported region as triangles.
 const CELLS: usize = 16;
 
@@ -146,7 +142,8 @@ impl Samples {
             domain: Some([over[0][0], over[0][1], over[1][0], over[1][1]]),
             outside: OutsideDomain::Extend,
             objective: Objective::Slopes(SlopeWeights::Equal),
-            smooth: Smooth::Third(FILLING),
+            // where no sample is
+            smooth: Smooth::faint([DEGREE; 2]),
             ..FitOptions::default()
         };
         let mut best: Option<(f64, Fit)> = None;
