@@ -4,6 +4,7 @@ use super::body_hypothesis::BodyHypothesis;
 use super::candidates::is_between;
 use super::coordinates::Symmetry;
 use super::mode::is_possible;
+use super::other_things::Thing;
 use super::sample::BodySample;
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
@@ -24,6 +25,16 @@ pub(crate) struct BodyPosterior {
     pub(crate) log_evidence: f64,
     /// Whether the body is of no simple kind: its departures are shape, and its primitive is only where they are counted from.
     pub(crate) is_free: bool,
+    /// Several things that the contacts may be instead, where one is not certain.
+    pub(crate) instead: Option<PossibleThings>,
+}
+
+/// Several things that contacts may be.
+#[derive(Clone, Debug)]
+pub(crate) struct PossibleThings {
+    pub(crate) things: Vec<Thing>,
+    /// Of these against one thing.
+    pub(crate) probability: f64,
 }
 
 impl BodyPosterior {
@@ -31,7 +42,15 @@ impl BodyPosterior {
     pub(super) fn of_one(primitive: Primitive, node: BodyHypothesis) -> BodyPosterior {
         let log_evidence = node.log_evidence;
         let (members, weights) = (vec![Vec::new()], vec![1.0]);
-        BodyPosterior { primitives: vec![primitive], members, nodes: vec![node], weights, log_evidence, is_free: true }
+        BodyPosterior {
+            primitives: vec![primitive],
+            members,
+            nodes: vec![node],
+            weights,
+            log_evidence,
+            is_free: true,
+            instead: None,
+        }
     }
 
     /// The same without rings whose section departs from a circle: a curve turned about an axis is that, and more exactly.
@@ -39,7 +58,7 @@ impl BodyPosterior {
         let own = self.nodes.iter().filter(|node| !node.is_of_section()).cloned().collect();
         let (nodes, weights, log_evidence) = normalised(own, tuning)?;
         let (primitives, members) = (self.primitives.clone(), self.members.clone());
-        Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: self.is_free })
+        Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: self.is_free, instead: None })
     }
 
     /// Probability that there is no departure.

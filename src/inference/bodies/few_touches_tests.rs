@@ -1,7 +1,7 @@
 //! A few touches all over things with faces and walls: each is told as what it is made of.
 
 use super::faces::faces;
-use super::inference::{Verdict, infer};
+use super::inference::{Verdict, infer, infer_primitives};
 use super::other_things::Thing;
 use super::sample::BodySample;
 use super::tests::gaussian;
@@ -109,4 +109,29 @@ fn walls_that_face_each_other_are_two_though_some_places_are_false() {
         assert!(things.iter().all(|thing| thing.primitive.kind == PartKind::Cylinder), "{things:?}");
         assert!((radii[1] / radii[0] - 1.25).abs() < 0.02, "{radii:?}");
     }
+}
+
+/// The farther two sheets are apart, the likelier they are two things: where that is open, one answer says so.
+#[test]
+fn two_sheets_that_are_hardly_apart_are_said_to_be_possible() {
+    let touched = |apart: f64| {
+        let mut generator = Lcg::new(21);
+        let one = |i: usize| {
+            let side = if i % 4 == 3 { -1.0 } else { 1.0 };
+            let place = [2.0 * generator.uniform(), 2.0 * generator.uniform(), 0.5 * side * apart];
+            let mut noise = |sd: f64| [0; 3].map(|_| sd * gaussian(&mut generator));
+            (along(place, 1.0, noise(0.02)), unit(along([0.0, 0.0, side], 1.0, noise(0.05))))
+        };
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..16).map(one).unzip();
+        BodySample::new(&points, &normals, Rounding::NONE).unwrap()
+    };
+    let probability = |k: i32| match infer_primitives(&touched(0.02 * f64::from(k)), &Tuning::default()) {
+        Verdict::One(one) => one.instead.as_ref().map_or(0.0, |instead| instead.probability),
+        Verdict::Several(_) => 1.0,
+        other => panic!("{other:?}"),
+    };
+    let all: Vec<f64> = (0..=15).map(probability).collect();
+    assert!(all[0] == 0.0 && all[15] == 1.0, "{all:?}");
+    assert!(all.iter().any(|p| (0.05..0.5).contains(p)), "{all:?}");
+    assert!(all.iter().all(|p| *p <= 0.5 || *p == 1.0), "{all:?}");
 }

@@ -65,7 +65,7 @@ pub(crate) fn free_surface(all: &BodySample, search: &ModeSearch) -> Option<Body
         members.push(if sample.len() == all.len() { found.belonging(all, tuning) } else { Vec::new() });
     }
     let (nodes, weights, log_evidence) = normalised(nodes, tuning)?;
-    Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: true })
+    Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: true, instead: None })
 }
 
 /// The same with those of all contacts that lie on its likeliest surface, by what a contact scatters, or by what most contacts are off by

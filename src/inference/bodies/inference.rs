@@ -63,11 +63,13 @@ fn infer_beside(
     let beside = beside.filter(|_| answer.is_some());
     let is_clear = |free: &FreeRival| beside.as_ref().is_none_or(|one| free.is_clear(one, tuning));
     let several = (!is_sure).then(|| several_things(sample, &modes, of_one, search)).flatten();
-    if let Some(several) = several {
+    let instead = match several {
         // one primitive is then no answer
-        return several_or_free(several, free.filter(is_clear), search);
-    }
+        Some(several) if several.probability > 0.5 => return several_or_free(several, free.filter(is_clear), search),
+        several => several.map(RatedThings::beside_one),
+    };
     let one = answer.map(|mut posterior| {
+        posterior.instead = instead;
         if sample.len() < all.len() {
             let belonging = |of| posterior.belonging(of, all, tuning);
             posterior.members = (0..posterior.primitives.len()).map(belonging).collect();
@@ -184,7 +186,7 @@ fn posterior(modes: &[Mode], sample: &BodySample, tuning: &Tuning) -> Option<Bod
         members.push(base.members);
     }
     let (nodes, weights, log_evidence) = normalised(nodes, tuning)?;
-    Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: false })
+    Some(BodyPosterior { primitives, members, nodes, weights, log_evidence, is_free: false, instead: None })
 }
 
 /// The same about the likeliest node's primitive, where that has a chance: the departure takes its part of the distances, so that the

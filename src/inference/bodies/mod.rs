@@ -51,7 +51,7 @@ mod tests;
 mod tuning;
 
 pub(crate) use body_hypothesis::BodyHypothesis;
-pub(crate) use body_posterior::BodyPosterior;
+pub(crate) use body_posterior::{BodyPosterior, PossibleThings};
 pub(crate) use chart::BodyChart;
 pub(crate) use coordinates::Symmetry;
 pub(crate) use division::is_simple;

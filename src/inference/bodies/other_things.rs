@@ -9,7 +9,12 @@
 //! That sum is compared with the evidence of the best single primitive, however large its departure and its scatter, and with that of
 //! one smooth surface of any shape: pieces of a wave are not more probable than the wave. Beside a free surface each thing departs as well:
 //! the faces of a box of cardboard are not quite flat.
+//!
+//! ```text
+//! p(several) / p(one) = exp(ln p(several) - ln p(one) - clearly)        beforehand one thing is likelier by `Tuning::clearly`
+//! ```
 
+use super::body_posterior::PossibleThings;
 use super::candidates::{nearest_to_all, on_either_side, spans};
 use super::division::{Division, FoundThing, NextThing, SIMPLE, is_simple, of_chance, of_one_thing, unknowns};
 use super::evidence::LinearisedBase;
@@ -36,14 +41,23 @@ impl Thing {
     }
 }
 
-/// Things that explain the contacts clearly better than one.
+/// Things that may be what the contacts are.
 pub(super) struct RatedThings {
     pub(super) things: Vec<Thing>,
     /// With a departure of each.
     pub(super) log_evidence: f64,
+    /// Of several things against one.
+    pub(super) probability: f64,
 }
 
-/// The things that explain the contacts clearly better than one, whose log evidence is given.
+impl RatedThings {
+    /// The same as what contacts of one thing may be instead.
+    pub(super) fn beside_one(self) -> PossibleThings {
+        PossibleThings { things: self.things, probability: self.probability }
+    }
+}
+
+/// The likeliest things among the contacts, where one thing, whose log evidence is given, is not certain beside them.
 pub(super) fn several_things(
     sample: &BodySample,
     known: &[Mode],
@@ -53,10 +67,12 @@ pub(super) fn several_things(
     let tuning = search.tuning;
     let divided = likeliest_division(sample, known, search)?;
     let of_rival = of_one.max(of_smooth(sample, known, tuning));
-    let is_clear = divided.log_evidence > of_rival + tuning.clearly;
-    is_clear.then(|| RatedThings {
+    let log_odds = divided.log_evidence - of_rival - tuning.clearly;
+    let probability = 1.0 / (1.0 + (-log_odds).exp());
+    (probability > 1.0 - tuning.certain).then(|| RatedThings {
         things: divided.things.iter().map(|thing| Thing::of(&thing.mode)).collect(),
         log_evidence: divided.with_departures(tuning),
+        probability,
     })
 }
 

@@ -143,7 +143,7 @@ pub struct Tuning {
     pub primitives_hold: f64,
     /// First things, the likeliest, of which the second is looked for; beside them one of every simple kind that is far nearer to its own contacts.
     pub firsts: usize,
-    /// Log evidence by which two things must be ahead of one.
+    /// Log prior odds of one thing against several, which are as probable once they are ahead by it.
     pub clearly: f64,
     /// Spread across a line over that along it, below which contacts are one row: a row lies on many surfaces and is no thing.
     pub row: f64,
@@ -168,7 +168,7 @@ pub struct Tuning {
     pub normals_agree: f64,
     /// Scatter of normals, radians, from which on they tell nothing.
     pub random_normals: f64,
-    /// Posterior probability of a departure from which on it is spoken of.
+    /// Posterior probability of a departure from which on it is spoken of, and of one thing up to which several are.
     pub certain: f64,
     /// A gap between contacts round a body, degrees, that is no gap of its map.
     pub no_gap_deg: f64,

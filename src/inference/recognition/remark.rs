@@ -61,10 +61,12 @@ pub enum Remark {
         /// Standard deviation of its height, and the length within which it changes; input units.
         size: [f64; 2],
     },
-    /// Several things explain the contacts about as well as a free surface.
+    /// Several things explain the contacts about as well as a free surface, or may do so as one thing does.
     MayBeSeveral {
         /// All of them in words, with their radius and their share of the contacts.
         things: String,
+        /// Their probability against one thing, where the answer is one.
+        probability: Option<f64>,
     },
     /// The misfit is as large as the shape.
     MisfitOfShape,
@@ -149,9 +151,14 @@ impl std::fmt::Display for Remark {
                 "the contacts also show shape of about {height:.2e} within {length:.2e} that this surface does not follow; the bounds \
                  allow for it"
             ),
-            Remark::MayBeSeveral { things } => write!(
+            Remark::MayBeSeveral { things, probability: None } => write!(
                 f,
                 "several things explain the contacts about as well: {things}; contacts beside their edges would tell"
+            ),
+            Remark::MayBeSeveral { things, probability: Some(p) } => write!(
+                f,
+                "with a probability of {:.0} % these are several things: {things}; more contacts would tell",
+                100.0 * p
             ),
             Remark::MisfitOfShape => {
                 write!(f, "the misfit is as large as the shape itself: the class describes only its coarsest part")

@@ -26,7 +26,7 @@ use exchanged_axes::agreeing_order_by_neighbours;
 use normals_of_neighbours::are_alike;
 use patch_beside::{PatchBeside, PatchDoubt};
 
-use crate::bodies::{self, BodyHypothesis, BodySample, Symmetry, Thing, Tuning, Verdict};
+use crate::bodies::{self, BodyHypothesis, BodySample, PossibleThings, Symmetry, Thing, Tuning, Verdict};
 use crate::primitives::placed::PartKind;
 use crate::recognition::contacts::{
     Observations, distance_from_conic, patch_frame, spread_beside_a_line, stand_upright,
@@ -83,7 +83,7 @@ pub(super) fn instead(
             match one {
                 _ if !is_of_kind && free_stands(&patch, doubt, &question.of(&free)) => {
                     let found = question.of(&bodies::with_own_contacts(*free, &sample, &options.tuning)).checked();
-                    found.map(|found| beside_several(found, &sample, &several))
+                    found.map(|found| beside_several(found, &sample, &several, None))
                 }
                 Some(one) => one_instead(patch, doubt, &one, normals),
                 None => none_instead(patch, doubt, normals),
@@ -116,7 +116,27 @@ fn one_instead(
         PatchDoubt::Kind => !is_simpler,
         _ => false,
     };
-    if stays { patch } else { body.recognition() }
+    let instead = body.posterior.instead.as_ref();
+    match patch {
+        // things that were held against a body are held against a patch as well
+        Ok(found) if stays => {
+            let are_rivals = |possible: &&PossibleThings| !is_as_good(&found, body.sample, &possible.things, tuning);
+            let instead = instead.filter(are_rivals);
+            Ok(unless_several(found, body.sample, instead))
+        }
+        patch if stays => patch,
+        _ => body.recognition().map(|found| unless_several(found, body.sample, instead)),
+    }
+}
+
+/// The answer with less than certainty, where the contacts may be several things.
+fn unless_several(mut found: Recognition, sample: &BodySample, instead: Option<&PossibleThings>) -> Recognition {
+    let Some(PossibleThings { things, probability }) = instead else { return found };
+    let of_one = 1.0 - probability;
+    found.tried.iter_mut().for_each(|tried| tried.weight *= of_one);
+    found.class_probability.iter_mut().for_each(|(_, p)| *p *= of_one);
+    found.plane_probability *= of_one;
+    beside_several(found, sample, things, Some(*probability))
 }
 
 /// The patch, unless contacts go farther round than it does.
@@ -319,10 +339,15 @@ fn several(sample: &BodySample, things: &[Thing]) -> RecognitionError {
 }
 
 /// A surface with the remark that several things may be what the contacts show.
-fn beside_several(mut found: Recognition, sample: &BodySample, things: &[Thing]) -> Recognition {
+fn beside_several(
+    mut found: Recognition,
+    sample: &BodySample,
+    things: &[Thing],
+    probability: Option<f64>,
+) -> Recognition {
     if !things.is_empty() {
         let (things, percent) = in_words(sample, things);
-        found.notes.push(Remark::MayBeSeveral { things: listed(&things, &percent) });
+        found.notes.push(Remark::MayBeSeveral { things: listed(&things, &percent), probability });
     }
     found
 }
