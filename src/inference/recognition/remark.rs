@@ -68,6 +68,11 @@ pub enum Remark {
         /// Their probability against one thing, where the answer is one.
         probability: Option<f64>,
     },
+    /// Contacts scatter by as much as the surface bends, which may be waves shorter than this.
+    ShorterWaves {
+        /// Length of the shortest wave that the contacts show, input units.
+        length: f64,
+    },
     /// The misfit is as large as the shape.
     MisfitOfShape,
     /// What is not flat on a plane is no shape that was tried.
@@ -160,6 +165,14 @@ impl std::fmt::Display for Remark {
                 "with a probability of {:.0} % these are several things: {things}; more contacts would tell",
                 100.0 * p
             ),
+            Remark::ShorterWaves { length } => {
+                let rounded: f64 = format!("{length:.1e}").parse().unwrap_or(*length);
+                write!(
+                    f,
+                    "what is read as scatter may be waves or steps of the surface: the contacts are too few to show waves shorter than some \
+                     {rounded}"
+                )
+            }
             Remark::MisfitOfShape => {
                 write!(f, "the misfit is as large as the shape itself: the class describes only its coarsest part")
             }

@@ -259,7 +259,12 @@ fn why(found: &Recognition) -> String {
     let weight = best.map_or(1.0, |t| t.weight);
     let next = found.tried.iter().find(|t| t.hypothesis != found.hypothesis);
     let beside = next.map_or(String::new(), |t| format!("; next best: {} ({:.3})", t.hypothesis, t.weight));
-    format!("{} explains the contacts best (probability {weight:.3}){beside}", found.hypothesis.described())
+    let best = format!("{} explains the contacts best (probability {weight:.3})", found.hypothesis.described());
+    match next.filter(|t| t.weight > weight) {
+        // a plane is an answer only where it is likelier than all that bend
+        Some(flat) => format!("of what bends, {best}; {} has {:.3}", flat.hypothesis.described(), flat.weight),
+        None => best + &beside,
+    }
 }
 
 fn tried(found: &Recognition) -> Vec<TriedPart> {

@@ -103,6 +103,13 @@ fn found_as(document: &FitDocument) -> Option<String> {
         return Some(format!("{} explains the contacts, and no other kind of surface comes near", said(hypothesis)));
     };
     let best = said(hypothesis);
+    // a plane is an answer only where it is likelier than all that bend
+    if sure(&next.name).zip(sure(hypothesis)).is_some_and(|(of_next, of_best)| of_next > of_best) {
+        let flat = said(&next.name);
+        return Some(format!(
+            "of {count} kinds of surface {flat} explains the contacts best, of those that bend {best}"
+        ));
+    }
     // what has next to no probability is worth no words
     let near = sure(&next.name).is_none_or(|p| p >= NEAR);
     let second = if near { format!("; next {}", said(&next.name)) } else { String::new() };
@@ -168,7 +175,7 @@ fn off(document: &FitDocument) -> Option<(&'static str, String)> {
     fit.rms.z.map(|rms| ("misfit", words(rms)))
 }
 
-/// Errors that neighbouring contacts share.
+/// What neighbouring contacts are off by together.
 fn pattern(document: &FitDocument) -> Option<String> {
     let lack = document.fit.lack_of_fit.as_ref().filter(|lack| lack.p.is_some_and(|p| p < PATTERN))?;
     if lack.percent_of_relief.is_some_and(|percent| percent < UNSEEN) {
@@ -176,7 +183,10 @@ fn pattern(document: &FitDocument) -> Option<String> {
     }
     let size =
         lack.percent_of_relief.map_or(String::new(), |p| format!(", by {} % of the patch's rise", significant(p, 2)));
-    Some(format!("neighbouring contacts are wrong the same way{size}; the bounds above allow for that"))
+    Some(format!(
+        "neighbouring contacts lie off the same way{size}: the bounds above allow for errors of the sensor, and details of the surface \
+         that are as small are left out of S and R"
+    ))
 }
 
 /// Where the uncertainty of R comes from, where it is worth a word.

@@ -11,6 +11,7 @@
 //! The field lies over axes that rotate with the contacts, so that it does not matter how they were placed. Where it is no
 //! answer there, as on steps that a camera saw from above, the axes of the input are tried.
 
+use crate::recognition::short_waves::DEEP;
 use crate::recognition::{Hypothesis, Recognition, RecognitionError, RecognitionOptions};
 use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::{Contacts, Frame, Orientation};
@@ -34,10 +35,9 @@ const OF_SHAPE: f64 = 2.0;
 const CERTAIN: f64 = 1e-3;
 const OF_SCATTER: f64 = 5.0;
 
-/// Waves too short for the cells leave errors that are not shared by cells. Neighbouring contacts then correlate by more than the first
-/// number, and the misfit is above the second, a share of the patch's size, which no sensor of a flat patch errs by.
+/// Waves too short for the cells leave errors that are not shared by cells. Neighbouring contacts then correlate by more than this, and the
+/// misfit is [`DEEP`].
 const ALIKE: f64 = 0.3;
-const DEEP: f64 = 0.03;
 
 /// Least cosine of the angle between the simple shape's normal and the axes' z. A height field does not follow a steeper
 /// patch.
