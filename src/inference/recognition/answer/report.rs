@@ -258,7 +258,7 @@ impl Findings<'_> {
             sd_z: scale * (best.variance * per_cell).sqrt(),
             sd_correlated: scale * best.tau(),
             correlation_length: (best.ratio > 0.0).then_some(scale * best.length),
-            sd_normal_deg: self.linearised.normal_noise.map(|n| (n.variance * per_normal).sqrt().to_degrees()),
+            sd_normal_deg: self.linearised.normal_noise.map(|n| n.sd_of_normal(per_normal).to_degrees()),
         }
     }
 

@@ -79,6 +79,11 @@ impl NormalNoise {
         self.kernel != 0
     }
 
+    /// Standard deviation of one normal's error, radians, what neighbours share of it included; a cell has so many normals.
+    pub(crate) fn sd_of_normal(&self, per_cell: f64) -> f64 {
+        (self.variance * (per_cell + Kernel::all()[self.kernel].ratio)).sqrt()
+    }
+
     /// Log likelihood and variance under one kernel.
     fn under(rows: &Rows, factors: &Factors, kernel: usize, spent: f64) -> Option<(f64, NormalNoise)> {
         let n = known(factors.variance()).len();
@@ -146,4 +151,32 @@ fn whitened(rows: &Rows, factors: &Factors, kernel: usize, (first, count): (usiz
         sum += dense::gram(whitened.as_ref());
     }
     Some((sum, 2.0 * dense::log_det(lower)))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::recognition::{Recognition, RecognitionOptions};
+    use palpate_geometry::contact::Contacts;
+    use palpate_numeric::draws::Lcg;
+    use palpate_numeric::vector::{Vector, unit};
+    use std::f64::consts::TAU;
+
+    /// Errors that neighbours share are errors of every single normal.
+    #[test]
+    fn normals_that_are_turned_with_their_neighbours_scatter_by_all_that_they_are_turned() {
+        let mut generator = Lcg::new(12);
+        // two waves of errors across each other, root mean square 3 degrees in all
+        let error = |x: f64, y: f64| 3.0_f64.to_radians() * ((TAU * x / 3.0).sin() + (TAU * y / 3.0).cos());
+        let one = |_: i32| {
+            let [x, y] = [0, 1].map(|_| 8.0 * generator.uniform() - 4.0);
+            let z = (400.0 - x * x - y * y).sqrt() - 20.0 + 0.001 * generator.normal();
+            ([x, y, z], unit([x / (20.0 + z) + error(x, y), y / (20.0 + z) + error(y, x), 1.0]))
+        };
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..150).map(one).unzip();
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        let found = Recognition::of(&contacts, &RecognitionOptions::default()).unwrap();
+        let sd = found.noise.sd_normal_deg.unwrap();
+        // of what a patch holds a few lengths of, the size is known to a factor of two
+        assert!((1.5..6.0).contains(&sd), "{sd}");
+    }
 }
