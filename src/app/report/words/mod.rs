@@ -92,7 +92,7 @@ fn in_truth(document: &FitDocument) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::document::Shares;
+    use super::super::document::{Shares, TriedPart};
     use super::super::sample::full_document;
     use super::*;
 
@@ -170,6 +170,33 @@ mod tests {
         assert!(
             text.contains("do not tell which (40 % and 50 % sure)") && text.contains("pipe or bar that fits"),
             "{text}"
+        );
+    }
+
+    /// A plane that is likelier than each kind that bends, but not than all, is no answer, and is not called the next best.
+    #[test]
+    fn the_likeliest_kind_is_named_first() {
+        let mut document = full_document();
+        let kind = |name: &str, probability| TriedPart {
+            name: name.into(),
+            probability: Some(probability),
+            ..TriedPart::default()
+        };
+        let mut said = |plane| {
+            let chosen = document.fit.chosen.as_mut().unwrap();
+            (chosen.hypothesis, chosen.tried) =
+                (Some("sphere".into()), vec![kind("plane", plane), kind("sphere", 0.41)]);
+            written(&document).replace("\n           ", " ")
+        };
+        let flat = said(0.45);
+        assert!(
+            flat.contains("of 2 kinds of surface a plane (45 %) explains the contacts best, of those that"),
+            "{flat}"
+        );
+        let bent = said(0.25);
+        assert!(
+            bent.contains("of 2 kinds of surface a ball (41 %) explains the contacts best; next a plane"),
+            "{bent}"
         );
     }
 
