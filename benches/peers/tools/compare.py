@@ -77,12 +77,13 @@ def printed(command):
 
 
 def palpate(task, source, *options):
-    """palpate's own clock counts the fit and its shape; the maps are read back from its table."""
-    out = os.path.join(task.folder, "out")
+    """palpate's own clock counts the fit and S and R alone, as the others give them; the maps are read back from its table."""
+    # a folder takes results of one kind of input
+    out = os.path.join(task.folder, "out of " + os.path.basename(source))
     grid = ["--grid", f"{torus.GRID}x{torus.GRID}", "--inset", str(torus.INSET)]
     seconds = []
     for _ in range(REPETITIONS):
-        run = subprocess.run([task.palpate, "fit", source, *grid, *options, "--json", "--out", out], capture_output=True, text=True)
+        run = subprocess.run([task.palpate, "fit", source, *grid, *options, "--bare", "--json", "--out", out], capture_output=True, text=True)
         if run.returncode:
             raise RuntimeError(run.stderr.strip())
         clock = json.loads(run.stdout)["seconds"]
