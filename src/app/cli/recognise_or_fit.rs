@@ -12,7 +12,7 @@
 use std::borrow::Cow;
 
 use crate::io::Input;
-use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart};
+use crate::report::{Answer, ChosenPart, LackOfFitPart, TriedPart, significant};
 use palpate_fitting::fit::{Fit, FitError, FitOptions, Robust};
 use palpate_fitting::parametric::FittedSurface;
 use palpate_geometry::contact::{Contacts, Grid, Orientation};
@@ -121,6 +121,7 @@ fn recognised(input: &Input, options: &RecognitionOptions, fit: &FitOptions) -> 
             let mut found = match answer {
                 Shown::Simple(found) => simple(found),
                 Shown::Flexible(field, simple) => flexible_field(*field, simple.as_deref()),
+                Shown::Detailed(field, simple) => detailed(*field, &simple),
             };
             if let Some(detailed) = with_local_detail(input, &found.answer, options, fit) {
                 found = detailed;
@@ -254,6 +255,25 @@ fn flexible_field(field: Flexible, simple: Option<&Recognition>) -> Found {
     let notes = (!field.form.smoothed).then(|| noise_alone.to_string()).into_iter().collect();
     let answer = Answer::Fitted(FittedSurface::Height(Box::new(field.fit)));
     Found { answer, chosen: Some(chosen), lack_of_fit: Some(lack), notes }
+}
+
+/// A height field that follows a simple shape and a detail along a line.
+fn detailed(field: Flexible, simple: &Recognition) -> Found {
+    let form = named(&field.form);
+    let mut found = flexible_field(field, Some(simple));
+    let what = simple.hypothesis.described();
+    let radius = simple.radius.map_or(String::new(), |radius| format!(" of radius {}", significant(radius, 4)));
+    found.notes.push(format!(
+        "but for a detail along a line, as a scratch, a seam or a ridge, the contacts lie on {what}{radius}; S and R \
+         count the detail as far as the surface follows it: touch beside it alone for those of {what}"
+    ));
+    if let Some(chosen) = found.chosen.as_mut() {
+        chosen.reason = format!(
+            "what the contacts lie off {what} runs along a line, as errors of a sensor do not; a {form} predicts contacts left out best"
+        );
+        chosen.why.clone_from(&chosen.reason);
+    }
+    found
 }
 
 fn named(form: &FieldForm) -> String {

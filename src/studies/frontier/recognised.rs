@@ -32,7 +32,9 @@ pub(super) fn recognise(contacts: &Contacts, fit: &FitOptions) -> TimedAnswer {
     let request = FieldRequest { fit, recognition: &options, gridded: false };
     match shown(Recognition::of(contacts, &options), || contacts.clone(), &request) {
         Ok(Shown::Simple(found)) => Ok(FoundSurface::Recognised(found)),
-        Ok(Shown::Flexible(field, _)) => Ok(FoundSurface::Named(FittedSurface::Height(Box::new(field.fit)))),
+        Ok(Shown::Flexible(field, _) | Shown::Detailed(field, _)) => {
+            Ok(FoundSurface::Named(FittedSurface::Height(Box::new(field.fit))))
+        }
         Err(RecognitionError::TooFew { .. } | RecognitionError::Arithmetic { .. }) => {
             let (found, _) = FittedSurface::of(contacts, fit).map_err(|error| error.to_string())?;
             Ok(FoundSurface::Named(found))

@@ -137,6 +137,23 @@ pub(crate) struct FieldChoice {
 impl FieldChoice {
     /// As [`flexible`].
     pub(crate) fn of(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) -> Option<FieldChoice> {
+        FieldChoice::by((FieldSample::unpenalised, AS_GOOD), contacts, axes, options)
+    }
+
+    /// The same by single contacts left out, and of smoothed fields the best: of a detail that is narrower than a block, blocks tell nothing,
+    /// and one that few contacts show is hardly worse predicted by a field that does not follow it.
+    pub(super) fn of_detail(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) -> Option<FieldChoice> {
+        let single = |sample: &FieldSample| (sample.each_left_out(LeftOut::Contacts), LeftOut::Contacts);
+        FieldChoice::by((single, 1.0), contacts, axes, options)
+    }
+
+    /// By these fields without a cost, and the coarsest smoothed one that predicts as well as the best up to this factor.
+    fn by(
+        (unpenalised, as_well): (impl Fn(&FieldSample) -> (Vec<(FieldForm, f64)>, LeftOut), f64),
+        contacts: &Contacts,
+        axes: [Vector; 3],
+        options: &FitOptions,
+    ) -> Option<FieldChoice> {
         let frame = Frame { axes, ..Frame::IDENTITY };
         let point = |r: usize| [contacts.x[r], contacts.y[r], contacts.z[r]];
         let points: Vec<Vector> =
@@ -149,12 +166,13 @@ impl FieldChoice {
             return None;
         }
         let sample = FieldSample { box_of: [extent(&few.x), extent(&few.y)], contacts: few, relief };
-        let (tried, out) = sample.unpenalised();
-        let coarse = tried[coarsest_of(&tried)?];
+        let (tried, out) = unpenalised(&sample);
+        let coarse = tried[coarsest_of(&tried, AS_GOOD)?];
         // a cost that was named stays
         let smoothed = if options.smooth == Smooth::None { sample.smoothed(out) } else { Vec::new() };
         let as_good = |at: &usize| smoothed.get(*at).is_some_and(|field| field.1 <= AS_GOOD * coarse.1);
-        let best = coarsest_of(&smoothed).filter(as_good).map(|at| if as_good(&(at + 1)) { at + 1 } else { at });
+        let best =
+            coarsest_of(&smoothed, as_well).filter(as_good).map(|at| if as_good(&(at + 1)) { at + 1 } else { at });
         let (form, error) = best.map_or(coarse, |at| smoothed[at]);
         let tried = tried.into_iter().chain(smoothed).collect();
         Some(FieldChoice { form, axes, tried, error, relief })
@@ -172,10 +190,10 @@ impl FieldChoice {
     }
 }
 
-/// Number of the coarsest field that predicts as well as the best.
-fn coarsest_of(tried: &[(FieldForm, f64)]) -> Option<usize> {
+/// Number of the coarsest field that predicts as well as the best up to a factor.
+fn coarsest_of(tried: &[(FieldForm, f64)], as_well: f64) -> Option<usize> {
     let least = tried.iter().map(|t| t.1).min_by(f64::total_cmp)?;
-    tried.iter().position(|t| t.1 <= AS_GOOD * least)
+    tried.iter().position(|t| t.1 <= as_well * least)
 }
 
 /// Whether contacts next to each other over x and y differ in height as those of several sheets do.

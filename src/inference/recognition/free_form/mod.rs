@@ -9,6 +9,7 @@
 //! one that can be saved, and `pointwise.rs` gives its uncertainty point by point.
 
 mod cross_validated_spline;
+mod line_detail;
 mod model_selection;
 mod named_model_uncertainty;
 mod pointwise;

@@ -6,12 +6,15 @@
 //! no answer    unsaid, no such field, and misfit > 0.1 of the patch's size: more than a sensor errs
 //! averaged     a free surface that follows 400 contacts or more does so by means over at most 200 cells
 //!              flexible field, where it is nearer to left-out contacts than that surface is to those that it follows
+//! a line       what 400 contacts or more lie off a simple shape with a pattern runs along a line (`line_detail.rs`)
+//!              flexible field, where it is nearer to left-out contacts than that shape is to those that it was fitted to
 //! ```
 //!
 //! The field lies over axes that rotate with the contacts, so that it does not matter how they were placed. Where it is no
 //! answer there, as on steps that a camera saw from above, the axes of the input are tried.
 
 use crate::recognition::short_waves::DEEP;
+use crate::recognition::start::thinned;
 use crate::recognition::{Hypothesis, Recognition, RecognitionError, RecognitionOptions};
 use palpate_fitting::fit::FitOptions;
 use palpate_geometry::contact::{Contacts, Frame, Orientation};
@@ -19,6 +22,7 @@ use palpate_numeric::statistics::standard_deviation;
 use palpate_numeric::vector::{Vector, dot};
 
 use super::cross_validated_spline::{FieldChoice, Flexible, flexible};
+use super::line_detail::{ASKED, Offsets};
 use super::named_model_uncertainty::leaves_much_unsaid;
 use super::principal_axes::own_axes;
 
@@ -70,6 +74,8 @@ pub enum Shown {
     Simple(Box<Recognition>),
     /// One sheet of no simple shape, with the simple shape that it takes the place of, where one was found.
     Flexible(Box<Flexible>, Option<Box<Recognition>>),
+    /// A simple shape with a detail along a line, as a scratch or a seam is: one sheet that follows both, and the simple shape.
+    Detailed(Box<Flexible>, Box<Recognition>),
 }
 
 /// How a flexible height field is fitted.
@@ -109,6 +115,10 @@ pub fn shown(
                 None => Shown::Simple(Box::new(found)),
             })
         }
+        Ok(found) if may_hide_a_line(&found) => Ok(match with_detail(&found, &contacts(), request) {
+            Some(field) => Shown::Detailed(Box::new(field), Box::new(found)),
+            None => Shown::Simple(Box::new(found)),
+        }),
         Ok(found) => Ok(Shown::Simple(Box::new(found))),
         Err(error @ (RecognitionError::NotOneSheet { .. } | RecognitionError::SeveralThings { .. })) => {
             // pieces of waves are no things: a field is nearer to the contacts that it was not told of than they are to the pieces
@@ -170,11 +180,47 @@ fn is_waves(found: &Recognition) -> bool {
     found.misfit.percent_of_relief > 100.0 * OF_SHAPE && found.misfit.p < CERTAIN && (long || short)
 }
 
+/// Whether enough contacts lie off a simple shape with their neighbours for a line among them to be told.
+fn may_hide_a_line(found: &Recognition) -> bool {
+    let is_simple = found.hypothesis != Hypothesis::Displaced && found.surface.body().is_none();
+    is_simple && found.contacts >= AVERAGED_FROM && found.misfit.p < CERTAIN && found.noise.sd_correlated > 0.0
+}
+
+/// A field that follows a detail along a line, where there is one.
+fn with_detail(found: &Recognition, contacts: &Contacts, request: &FieldRequest) -> Option<Flexible> {
+    let belonging = found.belonging(contacts);
+    let offsets = offsets(found, contacts, &belonging);
+    if offsets.detail_ahead() <= request.recognition.tuning.clearly {
+        return None;
+    }
+    let numbers: Vec<u32> = belonging.iter().map(|(_, r)| *r).collect();
+    let (those, up) = (contacts.in_order(&numbers), found.frame.rotate_back([0.0, 0.0, 1.0]));
+    let axes = request.axes(&those).into_iter().find(|axes| dot(axes[2], up).abs() >= LEVEL)?;
+    let field = FieldChoice::of_detail(&those, axes, request.fit)?;
+    let is_nearer = dot(axes[2], up).abs() * field.error < root_mean_square(&belonging);
+    is_nearer.then(|| field.fitted(contacts, request.fit).ok()).flatten()
+}
+
+/// What contacts that belong to a simple shape lie off it, evenly among all.
+fn offsets(found: &Recognition, contacts: &Contacts, belonging: &[(f64, u32)]) -> Offsets {
+    let place = |r: u32| [contacts.x[r as usize], contacts.y[r as usize], contacts.z[r as usize]];
+    let all: Vec<Vector> = belonging.iter().map(|(_, r)| place(*r)).collect();
+    let local: Vec<Vector> = all.iter().map(|p| found.frame.to_patch(*p)).collect();
+    let scale = found.frame.scale;
+    let asked = |i: usize| ([scale * local[i][0], scale * local[i][1]], found.surface.distance(all[i]));
+    let (places, off) = thinned(&local, ASKED).into_iter().map(asked).unzip();
+    Offsets { places, off, length: found.noise.correlation_length.unwrap_or(scale) }
+}
+
+fn root_mean_square(belonging: &[(f64, u32)]) -> f64 {
+    (belonging.iter().map(|(d, _)| d * d).sum::<f64>() / belonging.len().max(1) as f64).sqrt()
+}
+
 /// A flexible height field whose error at left-out contacts is below this share of the misfit of what was found. Both are compared
 /// on the contacts that belong to that, so that strays decide nothing.
 fn instead(found: &Recognition, contacts: &Contacts, request: &FieldRequest, share: f64) -> Option<Flexible> {
     let belonging = found.belonging(contacts);
-    let rms = (belonging.iter().map(|(d, _)| d * d).sum::<f64>() / belonging.len().max(1) as f64).sqrt();
+    let rms = root_mean_square(&belonging);
     let numbers: Vec<u32> = belonging.iter().map(|(_, r)| *r).collect();
     let those = contacts.in_order(&numbers);
     let up = found.frame.rotate_back([0.0, 0.0, 1.0]);
@@ -203,6 +249,7 @@ impl Recognition {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use palpate_numeric::draws::Lcg;
 
     #[test]
     fn a_body_that_was_touched_all_round_goes_back_over_every_plane_and_a_dome_does_not() {
@@ -217,5 +264,37 @@ mod tests {
         let axes = Frame::IDENTITY.axes;
         assert!(!goes_back(&touched(1.0), &axes));
         assert!(goes_back(&touched(2.0), &axes));
+    }
+
+    /// What a ball of 900 contacts is shown as, with this beside it.
+    fn shown_with(beside: impl Fn(f64, f64) -> f64) -> Shown {
+        let mut generator = Lcg::new(8);
+        let mut place = || {
+            let [x, y] = [0, 1].map(|_| 12.0 * generator.uniform() - 6.0);
+            [x, y, (400.0 - x * x - y * y).sqrt() - 20.0 + beside(x, y) + 0.03 * generator.normal()]
+        };
+        let contacts = Contacts::from_points(&(0..900).map(|_| place()).collect::<Vec<Vector>>());
+        let recognition = RecognitionOptions::default();
+        let request = FieldRequest { fit: &FitOptions::default(), recognition: &recognition, gridded: false };
+        shown(Recognition::of(&contacts, &recognition), || contacts.clone(), &request).unwrap()
+    }
+
+    /// Both are as large, and neighbours share both: the second has no direction.
+    #[test]
+    fn a_scratch_is_followed_and_errors_that_neighbours_share_are_not() {
+        let scratch = shown_with(|x, y| -0.1 * (-((0.8 * x - 0.6 * y - 1.0) / 0.6).powi(2) / 2.0).exp());
+        let Shown::Detailed(field, simple) = scratch else { panic!("{scratch:?}") };
+        assert_eq!(simple.hypothesis, Hypothesis::Sphere);
+        // along the scratch the ball is 0.1 off
+        let (surface, frame) = (field.fit.surface(), field.fit.frame());
+        let off = |k: i32| {
+            let [x, y] = [0.8 + 0.6 * f64::from(k), -0.6 + 0.8 * f64::from(k)];
+            let at = frame.to_patch([x, y, (400.0 - x * x - y * y).sqrt() - 20.1]);
+            (surface.at(at[0], at[1]).z - at[2]).abs()
+        };
+        let mean = (-4..=4).map(off).sum::<f64>() / 9.0;
+        assert!(mean < 0.05, "{mean}");
+        let errors = |x: f64, y: f64| 0.02 * ((2.1 * x + 0.4).sin() + (1.9 * y).cos() + (1.5 * x - 1.4 * y).sin());
+        assert!(!matches!(shown_with(errors), Shown::Detailed(..)));
     }
 }
