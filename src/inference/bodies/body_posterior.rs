@@ -4,8 +4,8 @@ use super::body_hypothesis::BodyHypothesis;
 use super::candidates::is_between;
 use super::coordinates::Symmetry;
 use super::mode::is_possible;
-use super::other_things::Thing;
 use super::sample::BodySample;
+use super::thing::PossibleThings;
 use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_geometry::neighbours::mean_of;
@@ -27,14 +27,6 @@ pub(crate) struct BodyPosterior {
     pub(crate) is_free: bool,
     /// Several things that the contacts may be instead, where one is not certain.
     pub(crate) instead: Option<PossibleThings>,
-}
-
-/// Several things that contacts may be.
-#[derive(Clone, Debug)]
-pub(crate) struct PossibleThings {
-    pub(crate) things: Vec<Thing>,
-    /// Of these against one thing.
-    pub(crate) probability: f64,
 }
 
 impl BodyPosterior {

@@ -2,9 +2,9 @@
 
 use super::faces::faces;
 use super::inference::{Verdict, infer, infer_primitives};
-use super::other_things::Thing;
 use super::sample::BodySample;
 use super::tests::gaussian;
+use super::thing::Thing;
 use super::tuning::Tuning;
 use crate::primitives::placed::PartKind;
 use palpate_geometry::contact::Rounding;

@@ -9,9 +9,10 @@ use super::division::is_simple;
 use super::evidence::LinearisedBase;
 use super::free_surface::free_surface;
 use super::mode::{FalseContacts, Mode};
-use super::other_things::{RatedThings, Thing, scatter, several_things};
+use super::other_things::{RatedThings, scatter, several_things};
 use super::sample::BodySample;
 use super::search::ModeSearch;
+use super::thing::Thing;
 use super::tuning::Tuning;
 use crate::primitives::placed::PartKind;
 

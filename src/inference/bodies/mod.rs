@@ -48,17 +48,19 @@ mod symmetry;
 mod symmetry_tests;
 #[cfg(test)]
 mod tests;
+mod thing;
 mod tuning;
 
 pub(crate) use body_hypothesis::BodyHypothesis;
-pub(crate) use body_posterior::{BodyPosterior, PossibleThings};
+pub(crate) use body_posterior::BodyPosterior;
 pub(crate) use chart::BodyChart;
 pub(crate) use coordinates::Symmetry;
 pub(crate) use division::is_simple;
 pub(crate) use free_surface::with_own_contacts;
 pub(crate) use inference::{Verdict, infer, infer_primitives};
 pub(crate) use mode::aligned;
-pub(crate) use other_things::{Thing, price_of_unknowns, scatter};
+pub(crate) use other_things::{price_of_unknowns, scatter};
 pub(crate) use posterior::{DrawnBase, PosteriorSpread, draws as drawn, spread};
 pub(crate) use sample::BodySample;
+pub(crate) use thing::{PossibleThings, Thing};
 pub use tuning::Tuning;

@@ -14,7 +14,6 @@
 //! p(several) / p(one) = exp(ln p(several) - ln p(one) - clearly)        beforehand one thing is likelier by `Tuning::clearly`
 //! ```
 
-use super::body_posterior::PossibleThings;
 use super::candidates::{nearest_to_all, on_either_side, spans};
 use super::division::{Division, FoundThing, NextThing, SIMPLE, is_simple, of_chance, of_one_thing, unknowns};
 use super::evidence::LinearisedBase;
@@ -22,18 +21,10 @@ use super::faces::faces;
 use super::mode::{Candidate, Mode, fewest, mode, next_to_all};
 use super::sample::BodySample;
 use super::search::ModeSearch;
+use super::thing::{PossibleThings, Thing};
 use super::tuning::Tuning;
-use crate::primitives::placed::{PartKind, Primitive};
+use crate::primitives::placed::PartKind;
 use palpate_numeric::threads;
-
-/// A primitive and how many contacts are its own.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Thing {
-    pub(crate) primitive: Primitive,
-    pub(crate) contacts: usize,
-    /// Sd of their distances.
-    pub(crate) scatter: f64,
-}
 
 impl Thing {
     fn of(mode: &Mode) -> Thing {

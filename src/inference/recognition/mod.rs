@@ -45,7 +45,6 @@ mod remark;
 mod result;
 mod sequential;
 mod shape_report;
-mod short_waves;
 mod start;
 #[cfg(test)]
 mod tests;
@@ -141,7 +140,7 @@ fn recognise_given(
     let patch = recognise_patch(&given, asked, options).map(either);
     let patch = patch.and_then(|found| whole_body::beside_a_line(found, &given, &options.tuning));
     let patch = patch.and_then(|found| whole_body::within_its_noise(found, &given, &options.tuning));
-    let patch = patch.map(|found| short_waves::beside_short_waves(found, &given.points));
+    let patch = patch.map(|found| free_form::beside_short_waves(found, &given.points));
     whole_body::instead(patch, &given, asked.touches, options)
 }
 

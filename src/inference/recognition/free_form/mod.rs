@@ -14,6 +14,7 @@ mod model_selection;
 mod named_model_uncertainty;
 mod pointwise;
 mod principal_axes;
+mod short_waves;
 mod spline;
 
 pub(crate) use cross_validated_spline::FieldChoice;
@@ -22,4 +23,5 @@ pub use model_selection::{FieldRequest, Shown, shown};
 pub(crate) use named_model_uncertainty::leaves_much_unsaid;
 pub use pointwise::Pointwise;
 pub use principal_axes::own_axes;
+pub(super) use short_waves::beside_short_waves;
 pub use spline::RecognisedSpline;

@@ -13,7 +13,6 @@
 //! The field lies over axes that rotate with the contacts, so that it does not matter how they were placed. Where it is no
 //! answer there, as on steps that a camera saw from above, the axes of the input are tried.
 
-use crate::recognition::short_waves::DEEP;
 use crate::recognition::start::thinned;
 use crate::recognition::{Hypothesis, Recognition, RecognitionError, RecognitionOptions};
 use palpate_fitting::fit::FitOptions;
@@ -25,6 +24,7 @@ use super::cross_validated_spline::{FieldChoice, Flexible, flexible};
 use super::line_detail::{ASKED, Offsets};
 use super::named_model_uncertainty::leaves_much_unsaid;
 use super::principal_axes::own_axes;
+use super::short_waves::DEEP;
 
 /// A flexible height field is an answer when its error at left-out contacts is below this share of the relief.
 const PREDICTED: f64 = 0.5;

@@ -10,16 +10,16 @@
 use palpate_geometry::convex_hull::{convex_hull, turn};
 use palpate_numeric::vector::Vector;
 
-use super::{Recognition, Remark};
+use crate::recognition::{Recognition, Remark};
 
 /// Scatter of contacts, a share of the patch's size, that no sensor of a flat patch errs by.
-pub(crate) const DEEP: f64 = 0.03;
+pub(super) const DEEP: f64 = 0.03;
 
 /// Misfit over relief, percent, from which on the bend may be that of the waves.
 const AS_THE_BEND: f64 = 50.0;
 
 /// A patch with the remark how short waves may be that its contacts show, where their scatter may be such waves.
-pub(super) fn beside_short_waves(mut found: Recognition, points: &[Vector]) -> Recognition {
+pub(crate) fn beside_short_waves(mut found: Recognition, points: &[Vector]) -> Recognition {
     let is_deep = found.noise.sd_of_contact() > DEEP * found.frame.scale;
     if is_deep && found.misfit.percent_of_relief > AS_THE_BEND {
         let length = shortest_wave(&found, points);
