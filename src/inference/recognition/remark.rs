@@ -125,15 +125,11 @@ impl std::fmt::Display for Remark {
             Remark::DepartureAsError { percent } => {
                 write!(f, "a departure of {percent:.1} % of the relief is read as an error of the sensor, not as shape")
             }
-            Remark::PlacesErr { sd } => {
-                // two digits, without an exponent where the number is of ordinary size
-                let rounded: f64 = format!("{sd:.1e}").parse().unwrap_or(*sd);
-                write!(
-                    f,
-                    "contacts on slopes scatter more than on level ground: x and y err by about {rounded}, and the answer \
-                     counts that"
-                )
-            }
+            Remark::PlacesErr { sd } => write!(
+                f,
+                "contacts on slopes scatter more than on level ground: x and y err by about {}, and the answer counts that",
+                two_digits(*sd)
+            ),
             Remark::ConeIs { half_angle_deg: [value, lo, hi] } => write!(
                 f,
                 "the cone opens by {} degrees to each side of its axis, between {} and {}",
@@ -166,11 +162,10 @@ impl std::fmt::Display for Remark {
                 100.0 * p
             ),
             Remark::ShorterWaves { length } => {
-                let rounded: f64 = format!("{length:.1e}").parse().unwrap_or(*length);
                 write!(
                     f,
-                    "what is read as scatter may be waves or steps of the surface: the contacts are too few to show waves shorter than some \
-                     {rounded}"
+                    "what is read as scatter may be waves or steps of the surface: the contacts are too few to show waves shorter than some {}",
+                    two_digits(*length)
                 )
             }
             Remark::MisfitOfShape => {
@@ -179,6 +174,11 @@ impl std::fmt::Display for Remark {
             Remark::MisfitOfPlane => write!(f, "what is not flat here is a pattern that none of the shapes describes"),
         }
     }
+}
+
+/// Two digits, without an exponent where the number is of ordinary size.
+fn two_digits(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
 }
 
 /// Four digits.

@@ -16,7 +16,7 @@ use faer::Mat;
 use crate::dense;
 use palpate_numeric::threads;
 
-/// Contacts that are asked, evenly among all: a scratch of three times the noise is ahead by 20 among 400.
+/// Contacts that are asked, evenly among all: a scratch of three times the noise is clearly ahead among so many.
 pub(super) const ASKED: usize = 400;
 
 /// Directions of the line that are tried over half a turn.
@@ -34,7 +34,7 @@ const RATIOS: [f64; 5] = [0.1, 0.3, 1.0, 3.0, 10.0];
 /// Lengths of shared errors, in the length that recognition found.
 const LENGTHS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 
-/// Width of a profile over the widest gap between bins that hold contacts.
+/// Width of a profile over the widest gap between bins that hold contacts: a width with fewer than two of them tells no profile.
 const GOES_ON: f64 = 2.0;
 
 /// Directions to either side, 15 degrees, in which that gap is looked for.

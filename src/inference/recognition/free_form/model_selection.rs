@@ -100,17 +100,19 @@ pub fn shown(
     request: &FieldRequest,
 ) -> Result<Shown, RecognitionError> {
     match found {
-        Ok(found) if leaves_much_unsaid(&found) => match instead(&found, &contacts(), request, BETTER) {
-            Some(field) => Ok(Shown::Flexible(Box::new(field), Some(Box::new(found)))),
-            None if is_no_answer(&found) => {
-                let strays = found.outliers as f64;
-                let outliers = 100.0 * strays / (strays + found.contacts as f64);
-                Err(RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers })
+        Ok(found) if leaves_much_unsaid(&found) => {
+            match instead(&found, &contacts(), request, (FieldChoice::of, BETTER)) {
+                Some(field) => Ok(Shown::Flexible(Box::new(field), Some(Box::new(found)))),
+                None if is_no_answer(&found) => {
+                    let strays = found.outliers as f64;
+                    let outliers = 100.0 * strays / (strays + found.contacts as f64);
+                    Err(RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers })
+                }
+                None => Ok(Shown::Simple(Box::new(found))),
             }
-            None => Ok(Shown::Simple(Box::new(found))),
-        },
+        }
         Ok(found) if found.hypothesis == Hypothesis::Displaced && found.contacts >= AVERAGED_FROM => {
-            Ok(match instead(&found, &contacts(), request, NEARER) {
+            Ok(match instead(&found, &contacts(), request, (FieldChoice::of, NEARER)) {
                 Some(field) => Shown::Flexible(Box::new(field), Some(Box::new(found))),
                 None => Shown::Simple(Box::new(found)),
             })
@@ -188,23 +190,14 @@ fn may_hide_a_line(found: &Recognition) -> bool {
 
 /// A field that follows a detail along a line, where there is one.
 fn with_detail(found: &Recognition, contacts: &Contacts, request: &FieldRequest) -> Option<Flexible> {
-    let belonging = found.belonging(contacts);
-    let offsets = offsets(found, contacts, &belonging);
-    if offsets.detail_ahead() <= request.recognition.tuning.clearly {
-        return None;
-    }
-    let numbers: Vec<u32> = belonging.iter().map(|(_, r)| *r).collect();
-    let (those, up) = (contacts.in_order(&numbers), found.frame.rotate_back([0.0, 0.0, 1.0]));
-    let axes = request.axes(&those).into_iter().find(|axes| dot(axes[2], up).abs() >= LEVEL)?;
-    let field = FieldChoice::of_detail(&those, axes, request.fit)?;
-    let is_nearer = dot(axes[2], up).abs() * field.error < root_mean_square(&belonging);
-    is_nearer.then(|| field.fitted(contacts, request.fit).ok()).flatten()
+    let is_line = offsets(found, contacts).detail_ahead() > request.recognition.tuning.clearly;
+    is_line.then(|| instead(found, contacts, request, (FieldChoice::of_detail, 1.0))).flatten()
 }
 
 /// What contacts that belong to a simple shape lie off it, evenly among all.
-fn offsets(found: &Recognition, contacts: &Contacts, belonging: &[(f64, u32)]) -> Offsets {
+fn offsets(found: &Recognition, contacts: &Contacts) -> Offsets {
     let place = |r: u32| [contacts.x[r as usize], contacts.y[r as usize], contacts.z[r as usize]];
-    let all: Vec<Vector> = belonging.iter().map(|(_, r)| place(*r)).collect();
+    let all: Vec<Vector> = found.belonging(contacts).iter().map(|(_, r)| place(*r)).collect();
     let local: Vec<Vector> = all.iter().map(|p| found.frame.to_patch(*p)).collect();
     let scale = found.frame.scale;
     let asked = |i: usize| ([scale * local[i][0], scale * local[i][1]], found.surface.distance(all[i]));
@@ -212,20 +205,24 @@ fn offsets(found: &Recognition, contacts: &Contacts, belonging: &[(f64, u32)]) -
     Offsets { places, off, length: found.noise.correlation_length.unwrap_or(scale) }
 }
 
-fn root_mean_square(belonging: &[(f64, u32)]) -> f64 {
-    (belonging.iter().map(|(d, _)| d * d).sum::<f64>() / belonging.len().max(1) as f64).sqrt()
-}
+/// How a field is chosen for contacts over some axes.
+type ChoiceOfField = fn(&Contacts, [Vector; 3], &FitOptions) -> Option<FieldChoice>;
 
 /// A flexible height field whose error at left-out contacts is below this share of the misfit of what was found. Both are compared
 /// on the contacts that belong to that, so that strays decide nothing.
-fn instead(found: &Recognition, contacts: &Contacts, request: &FieldRequest, share: f64) -> Option<Flexible> {
+fn instead(
+    found: &Recognition,
+    contacts: &Contacts,
+    request: &FieldRequest,
+    (choice, share): (ChoiceOfField, f64),
+) -> Option<Flexible> {
     let belonging = found.belonging(contacts);
-    let rms = root_mean_square(&belonging);
+    let rms = (belonging.iter().map(|(d, _)| d * d).sum::<f64>() / belonging.len().max(1) as f64).sqrt();
     let numbers: Vec<u32> = belonging.iter().map(|(_, r)| *r).collect();
     let those = contacts.in_order(&numbers);
     let up = found.frame.rotate_back([0.0, 0.0, 1.0]);
     request.axes(&those).into_iter().filter(|axes| dot(axes[2], up).abs() >= LEVEL).find_map(|axes| {
-        let field = FieldChoice::of(&those, axes, request.fit)?;
+        let field = choice(&those, axes, request.fit)?;
         // errors are along the axes' z and distances along the surface's normal
         if dot(axes[2], up).abs() * field.error >= share * rms {
             return None;

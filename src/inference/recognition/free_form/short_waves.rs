@@ -15,7 +15,8 @@ use crate::recognition::{Recognition, Remark};
 /// Scatter of contacts, a share of the patch's size, that no sensor of a flat patch errs by.
 pub(super) const DEEP: f64 = 0.03;
 
-/// Misfit over relief, percent, from which on the bend may be that of the waves.
+/// Misfit over relief, percent, from which on the bend may be that of the waves: a patch that bends by more than twice what it scatters has a
+/// shape of its own, whatever lies between its contacts.
 const AS_THE_BEND: f64 = 50.0;
 
 /// A patch with the remark how short waves may be that its contacts show, where their scatter may be such waves.
