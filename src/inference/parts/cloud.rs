@@ -22,6 +22,10 @@ pub(super) const LINKED: usize = 8;
 /// Lengths in units of the cloud's size within which a surface is exact: six digits of text, or 32-bit numbers.
 pub(super) const DIGITS: f64 = 1e-6;
 
+/// Cosine between the normals of two neighbours below which they are on two walls, back to back: within 45 degrees of it. Normals of planes
+/// through neighbours tell no more.
+pub(super) const OPPOSITE: f64 = -0.7;
+
 /// Fewest points of a cloud: the neighbours of one, and it.
 pub(super) const FEWEST_POINTS: usize = NEAREST + 4;
 
@@ -73,6 +77,11 @@ impl Cloud {
         let spacing = upper_median(found.iter().map(|(_, distance)| *distance).collect::<Vec<f64>>())?;
         let neighbours = found.into_iter().flat_map(|(list, _)| list).collect();
         Some(Cloud { points, normals, neighbours, spacing, scale, centre, rounding: Rounding::NONE })
+    }
+
+    /// Whether two contacts next to each other are on the two sides of a wall.
+    pub(super) fn are_back_to_back(&self, i: usize, j: usize) -> bool {
+        dot(self.normals[i], self.normals[j]) < OPPOSITE
     }
 
     /// The same of numbers that were rounded by so much, in the input's units.

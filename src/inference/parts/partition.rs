@@ -103,11 +103,14 @@ impl Partition {
         members
     }
 
-    /// Those of them whose neighbours all belong to the same part or to none; all of them where these are too few.
+    /// Those of them whose neighbours all belong to the same part or to none; all of them where these are too few. Neighbours on the other
+    /// side of a thin wall are no reason to leave a contact out: those that errors take away from that wall would be left, and the wall
+    /// be too thick.
     pub(super) fn inner(&self, cloud: &Cloud, members: &[u32]) -> Vec<u32> {
         let is_inner = |i: &u32| {
             let own = self.labels[*i as usize];
-            cloud.linked(*i as usize).iter().all(|&j| [own, NONE].contains(&self.labels[j as usize]))
+            let beside = cloud.linked(*i as usize).iter().map(|j| *j as usize);
+            beside.filter(|j| !cloud.are_back_to_back(*i as usize, *j)).all(|j| [own, NONE].contains(&self.labels[j]))
         };
         let inner: Vec<u32> = members.iter().copied().filter(is_inner).collect();
         if inner.len() >= FEWEST_POINTS { inner } else { members.to_vec() }
@@ -343,4 +346,37 @@ pub(super) fn exact(
     let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
     let near = descended(primitive.kind, &sample, &[*primitive], extent(&points))?;
     descend(&near.primitive, &sample)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::parts::{PartKind, Parts, PartsOptions};
+    use palpate_geometry::contact::Contacts;
+    use palpate_numeric::draws::EffectDraws;
+    use palpate_numeric::vector::{Vector, unit};
+
+    /// Contacts some one apart on both sides of a pipe's wall that is two thick, off by 0.2: those that errors take away from the other side
+    /// have it less often among their neighbours.
+    #[test]
+    fn a_thin_wall_is_as_thick_as_it_is() {
+        let draws = EffectDraws::new(12, "thin wall");
+        let contact = |k: u64| -> (Vector, Vector) {
+            let (mut at, mut off) = ([0.0; 2], [0.0; 4]);
+            draws.uniforms(k, 0, 2, &mut at);
+            draws.gaussians(k, 1, 4, &mut off);
+            let (sin, cos) = (std::f64::consts::TAU * at[0]).sin_cos();
+            let (radius, side) = if k.is_multiple_of(2) { (10.0, 1.0) } else { (8.0, -1.0) };
+            let off_by = |c: f64, k: usize| side * c + 0.05 * off[k];
+            let away = radius + 0.2 * off[0];
+            ([away * cos, away * sin, 25.0 * at[1]], unit([off_by(cos, 1), off_by(sin, 2), 0.05 * off[3]]))
+        };
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..2800).map(contact).unzip();
+        let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
+        let found = Parts::of(&contacts, &PartsOptions::default()).unwrap();
+        let [outer, inner] = &found.parts[..] else { panic!("{:?}", found.parts) };
+        for (part, radius) in [(outer, 10.0), (inner, 8.0)] {
+            let off = (part.geometry.radius.unwrap() - radius) / part.u.radius.unwrap();
+            assert!(part.kind == PartKind::Cylinder && off.abs() < 3.0, "{off} {part:?}");
+        }
+    }
 }

@@ -9,16 +9,12 @@
 //!
 //! A departure from the primitive that neighbours share leaves r alone, so that the fit need not be good. What is no sheet is no part.
 
-use super::cloud::Cloud;
+use super::cloud::{Cloud, OPPOSITE};
 use super::local::{LocalShape, Noise};
 use super::tuning::PartsTuning;
 use crate::primitives::placed::Primitive;
 use palpate_numeric::statistics::{MAD_TO_SD, RAYLEIGH_TO_SD, upper_median};
 use palpate_numeric::vector::{dot, minus, norm};
-
-/// Cosine between the normals of two neighbours below which they are on two walls, back to back: within 45 degrees of it. Normals of planes
-/// through neighbours tell no more.
-const OPPOSITE: f64 = -0.7;
 
 /// What the contacts of a sheet may scatter by.
 #[derive(Clone, Copy, Debug)]
