@@ -62,6 +62,7 @@ mod scatter;
 mod segmentation;
 mod settling;
 mod shared_errors;
+mod sharpening;
 mod sheet;
 mod surveyed;
 mod tuning;

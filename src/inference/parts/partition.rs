@@ -19,7 +19,7 @@ use super::sheet::SheetLimit;
 use super::tuning::PartsTuning;
 use crate::primitives::descent::{Sample, descend};
 use crate::primitives::placed::{PartKind, Primitive};
-use palpate_numeric::statistics::{MAD_TO_SD, RAYLEIGH_TO_SD, mad, upper_median};
+use palpate_numeric::statistics::{MAD_TO_SD, RAYLEIGH_TO_SD, upper_median};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{minus, norm};
 
@@ -34,7 +34,7 @@ pub(super) const ROUNDS: usize = 15;
 pub(super) const SWEEPS: usize = 4;
 
 /// Points that a part is fitted to while labels still change.
-const FITTED: usize = 1000;
+pub(super) const FITTED: usize = 1000;
 
 /// No part.
 pub(super) const NONE: u32 = u32::MAX;
@@ -139,32 +139,8 @@ impl Partition {
         self.replace(simpler);
     }
 
-    fn replace(&mut self, by: Vec<Option<Primitive>>) {
+    pub(super) fn replace(&mut self, by: Vec<Option<Primitive>>) {
         self.parts.iter_mut().zip(by).for_each(|(part, by)| *part = by.unwrap_or(*part));
-    }
-
-    /// Fits parts at the noise that they themselves show, as long as that halves it. Until then they are fitted with what is let pass:
-    /// normals that were estimated across an edge tilt exact planes. Whose a point beside an edge is, distances alone tell.
-    pub(super) fn sharpen(&mut self, field: &Field) {
-        let cloud = field.cloud;
-        for round in 0..ROUNDS {
-            let members = self.members();
-            let sharper = threads::map(self.parts.len(), 1, |part| {
-                sharper(&self.inner(cloud, &members[part]), &self.parts[part], field)
-            });
-            let is_sharp = sharper.iter().all(Option::is_none);
-            if is_sharp && (round > 0 || !self.is_told_by_distances(field)) {
-                break;
-            }
-            self.replace(sharper);
-            let scatter = self.scatter(field).of_distances();
-            (0..SWEEPS).for_each(|_| self.relabel(cloud, &scatter));
-        }
-    }
-
-    /// Whether normals only blur labels: they are those of planes through neighbours, and contacts lie far nearer than what is let pass.
-    fn is_told_by_distances(&self, field: &Field) -> bool {
-        field.blurred && self.scatter(field).common.distance < field.tuning.sharper * field.coarse.distance
     }
 
     /// What contacts scatter by, all together and about each part: medians, since some are on the wrong side.
@@ -320,19 +296,6 @@ pub(super) fn simplest(
         }
     }
     kept.map(|(primitive, _)| primitive)
-}
-
-/// The primitive fitted to those of its inner points that their own scatter explains, if half of that scatter goes with it.
-fn sharper(inner: &[u32], before: &Primitive, field: &Field) -> Option<Primitive> {
-    let (cloud, floor) = (field.cloud, &field.noise);
-    let scatter = |primitive: &Primitive| {
-        mad(inner.iter().map(|i| primitive.nearest(cloud.points[*i as usize]).0)).max(floor.distance)
-    };
-    let u = Noise { distance: scatter(before), normal: floor.normal };
-    let explains = |i: &u32| cost(before, cloud.points[*i as usize], cloud.normals[*i as usize], &u) < CAP;
-    let explained: Vec<u32> = inner.iter().copied().filter(explains).collect();
-    let found = exact(cloud, &explained, before, &u)?.primitive;
-    (scatter(&found) < field.tuning.sharper * u.distance).then_some(found)
 }
 
 /// The kind of the part fitted once more to all inner points, for the answer.
