@@ -39,6 +39,8 @@ pub(super) struct Findings<'a> {
     pub(super) shapes: &'a [LocalShape],
     pub(super) noise: Noise,
     pub(super) coarse: Noise,
+    /// What places are off by along the surface, where that turns their normals.
+    pub(super) along: f64,
     pub(super) tolerance: f64,
     pub(super) cells: &'a Cells,
     /// What the contacts of a surface scatter by.
@@ -62,6 +64,7 @@ impl Findings<'_> {
             coarse: self.coarse,
             is_known: self.origin == Origin::Whole,
             measured: self.measured,
+            along: self.along,
             tuning: self.tuning,
         };
         let exact = threads::map(exact_parts as usize, 1, |part| {

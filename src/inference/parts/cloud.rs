@@ -79,6 +79,11 @@ impl Cloud {
         Some(Cloud { points, normals, neighbours, spacing, scale, centre, rounding: Rounding::NONE })
     }
 
+    /// A place and its normal.
+    pub(super) fn contact(&self, i: usize) -> (Vector, Vector) {
+        (self.points[i], self.normals[i])
+    }
+
     /// Whether two contacts next to each other are on the two sides of a wall.
     pub(super) fn are_back_to_back(&self, i: usize, j: usize) -> bool {
         dot(self.normals[i], self.normals[j]) < OPPOSITE

@@ -43,6 +43,12 @@ impl Partition {
         taken
     }
 
+    /// Whether these parts tell the cloud better than those, normals and contacts of no part included: what has more unknowns must earn them.
+    pub(super) fn outtells(&self, those: &Partition, field: &Field) -> bool {
+        let [own, other] = [self, those].map(|cut| ToldCut::new(cut, field));
+        if own.unknowns < other.unknowns { other.gains_over(&own) <= 0.0 } else { own.gains_over(&other) > 0.0 }
+    }
+
     /// Whether contacts next to each other lie off their part together.
     fn departs_in_a_pattern(&self, field: &Field) -> bool {
         let cloud = field.cloud;

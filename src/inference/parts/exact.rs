@@ -95,6 +95,8 @@ pub(super) struct StartNoise<'a> {
     pub(super) is_known: bool,
     /// Whether normals are measurements.
     pub(super) measured: bool,
+    /// What places are off by along the surface, where that turns their normals.
+    pub(super) along: f64,
     pub(super) tuning: &'a PartsTuning,
 }
 
@@ -150,10 +152,10 @@ fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, begin: &StartNoise, c
     let told = |noise: Noise| if begin.measured { noise } else { Noise { normal: f64::INFINITY, ..noise } };
     let floor = cloud.rounding_among(inner);
     let mut noise = told(if begin.is_known { scatter_about(cloud, inner, start) } else { *coarse });
-    let mut kept = explained(cloud, inner, start, coarse);
+    let mut kept = explained(cloud, inner, start, coarse, begin.along);
     let mut descended = exact(cloud, &kept, start, &noise)?;
     for _ in 0..4 {
-        kept = explained(cloud, inner, &descended.primitive, coarse);
+        kept = explained(cloud, inner, &descended.primitive, coarse, begin.along);
         let next = told(noise_of(cloud, &kept, &descended, &noise));
         let settled = is_settled(&next, &noise);
         noise = next;
@@ -309,7 +311,7 @@ mod tests {
             cloud,
             &members,
             &cone,
-            &StartNoise { coarse, is_known: false, measured: true, tuning: &PartsTuning::default() },
+            &StartNoise { coarse, is_known: false, measured: true, along: 0.0, tuning: &PartsTuning::default() },
             &cells,
         )
         .unwrap()
@@ -341,7 +343,7 @@ mod tests {
         let sample = Sample { points: &points, normals: &normals, u_distance: 0.1, u_normal: 0.3 };
         let ball = descended(PartKind::Sphere, &sample, &[], extent(&points)).unwrap().primitive;
         let coarse = Noise { distance: 0.3, normal: 0.9 };
-        let begin = StartNoise { coarse, is_known: false, measured: true, tuning: &PartsTuning::default() };
+        let begin = StartNoise { coarse, is_known: false, measured: true, along: 0.0, tuning: &PartsTuning::default() };
         simplest(&cloud, &members, &ball, &begin, &Cells::new(&cloud)).unwrap().descended.primitive.kind
     }
 

@@ -1,7 +1,8 @@
 //! Which primitive a set of points shows, and how far about a point it reaches.
 //!
 //! ```text
-//! cost(p) = min(d^2 / u_d^2 + |n(p) - n|^2 / u_n^2, CAP)                   score = sum of costs + unknowns ln(rows)
+//! cost(p) = min(d^2 / u_d^2 + |n(p) - n|^2 / (u_n^2 + R^2 s^2) + sum_k ln(1 + (k s / u_n)^2), CAP)        s: error along the surface
+//! score = sum of d^2 / u_d^2 + |n(p) - n|^2 / u_n^2 + unknowns ln(rows)
 //! grow: fit the region, take the connected points that cost less than CAP, at most twice as many, and fit again
 //! ```
 //!
@@ -13,7 +14,7 @@ use super::local::Noise;
 use crate::primitives::descent::{Descended, Sample, descend_roughly, sum_of_squares};
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::primitives::starts::starts;
-use palpate_numeric::vector::{Vector, along, dot, minus};
+use palpate_numeric::vector::{Vector, along, dot, minus, norm};
 
 /// Cost at which a point is none of the primitive's: three squares of gaussians exceed it once in a thousand.
 pub(super) const CAP: f64 = 16.0;
@@ -24,11 +25,17 @@ const SAMPLED: usize = 300;
 /// Most rounds of growth; each may double the region.
 const ROUNDS: usize = 40;
 
-/// What a point costs under a primitive.
-pub(super) fn cost(primitive: &Primitive, p: Vector, n: Vector, u: &Noise) -> f64 {
+/// What a contact costs under a primitive. A place that is off `along` the surface has the normal of another foot: on a tube as thin as
+/// ten such errors, normals are off by six degrees beside their own.
+pub(super) fn cost(primitive: &Primitive, (p, n): (Vector, Vector), u: &Noise, along: f64) -> f64 {
     let (d, normal) = primitive.nearest(p);
     let off = minus(normal, n);
-    ((d / u.distance).powi(2) + dot(off, off) / u.normal.powi(2)).min(CAP)
+    let (distance, normals) = ((d / u.distance).powi(2), dot(off, off) / u.normal.powi(2));
+    if primitive.kind == PartKind::Plane || distance >= CAP || along == 0.0 {
+        return (distance + normals).min(CAP);
+    }
+    let [one, two] = primitive.curvatures(p).map(|k| (k * along / u.normal).powi(2));
+    (distance + normals / (1.0 + 0.5 * (one + two)) + one.ln_1p() + two.ln_1p()).min(CAP)
 }
 
 /// A primitive with its score over the points that it was fitted to.
@@ -101,16 +108,25 @@ pub(super) fn extent(points: &[Vector]) -> f64 {
     (0..3).map(range).fold(0.0, f64::max)
 }
 
-/// Memory of the walks through the cloud.
+/// Walks through the cloud, from a contact to those next to it, and to the nearest that face as it does: on a strip of a face that is two
+/// contacts wide most of those next to one are of other faces.
 #[derive(Debug)]
 pub(super) struct Walk {
     visited: Vec<u32>,
     walk: u32,
+    /// Cosine from which on two contacts face the same way.
+    parallel: f64,
 }
 
 impl Walk {
+    /// From each contact to those next to it alone.
     pub(super) fn new(points: usize) -> Walk {
-        Walk { visited: vec![0; points], walk: 0 }
+        Walk::along_faces(points, f64::NEG_INFINITY)
+    }
+
+    /// To the nearest that face alike, too: within this cosine.
+    pub(super) fn along_faces(points: usize, parallel: f64) -> Walk {
+        Walk { visited: vec![0; points], walk: 0, parallel }
     }
 
     /// The connected points about `from` for which `takes` holds, nearest first in links, at most `most`.
@@ -133,7 +149,9 @@ impl Walk {
         while next < found.len() && found.len() < most {
             let i = found[next] as usize;
             next += 1;
-            for &j in cloud.linked(i) {
+            let faces_alike = |j: &&u32| dot(cloud.normals[i], cloud.normals[**j as usize]) > self.parallel;
+            let beyond = cloud.near(i).iter().filter(faces_alike).take(LINKED);
+            for &j in cloud.linked(i).iter().chain(beyond) {
                 if self.visited[j as usize] != self.walk {
                     self.visited[j as usize] = self.walk;
                     if takes(j as usize) {
@@ -148,33 +166,46 @@ impl Walk {
 
 /// Contacts that a region begins with: neighbours whose normals are nearly the first's own, since on a narrow face most neighbours are of
 /// others. Where these are hardly any, the face is a few contacts wide, and a walk from one of them to the next follows it.
-fn begun(
+pub(super) fn begun_alike(
     (cloud, parallel): (&Cloud, f64),
     seed: usize,
     walk: &mut Walk,
-    free: &impl Fn(usize) -> bool,
+    free: impl Fn(usize) -> bool,
 ) -> Option<Vec<u32>> {
     let is_alike = |j: usize| free(j) && dot(cloud.normals[seed], cloud.normals[j]) > parallel;
-    // what lies singly among contacts of other parts begins none
-    if 2 * cloud.linked(seed).iter().filter(|j| free(**j as usize)).count() < LINKED {
-        return None;
-    }
     let near = cloud.near(seed).iter().copied().filter(|j| is_alike(*j as usize));
     let first: Vec<u32> = std::iter::once(seed as u32).chain(near).collect();
     let first = if first.len() > LINKED { first } else { walk.reach(cloud, &[seed as u32], NEAREST, is_alike) };
     (first.len() > LINKED).then_some(first)
 }
 
-/// The primitive about one point, and the points that it explains at less than `most_of` it.
-pub(super) fn grow(
-    (cloud, u, parallel): (&Cloud, &Noise, f64),
+/// Contacts that a thin thing begins with, where a few of them reach all round a bar, ring or pin: neighbours whose normals cancel to
+/// `round` and less of their number.
+pub(super) fn begun_round(
+    (cloud, round): (&Cloud, f64),
     seed: usize,
+    free: impl Fn(usize) -> bool,
+) -> Option<Vec<u32>> {
+    let near = cloud.near(seed).iter().copied().filter(|j| free(*j as usize));
+    let first: Vec<u32> = std::iter::once(seed as u32).chain(near).collect();
+    let sum = first.iter().fold([0.0; 3], |sum, i| along(sum, 1.0, cloud.normals[*i as usize]));
+    (first.len() > LINKED && norm(sum) < round * first.len() as f64).then_some(first)
+}
+
+/// Whether a contact lies singly among those of other parts; no region begins there.
+pub(super) fn is_single(cloud: &Cloud, seed: usize, free: impl Fn(usize) -> bool) -> bool {
+    2 * cloud.linked(seed).iter().filter(|j| free(**j as usize)).count() < LINKED
+}
+
+/// The primitive about the contacts that a region begins with, and the connected ones that it explains at less than `most_of` each.
+pub(super) fn grow(
+    (cloud, u, along): (&Cloud, &Noise, f64),
+    first: &[u32],
     walk: &mut Walk,
     most_of: impl Fn(usize) -> f64,
 ) -> Option<(Primitive, Vec<u32>)> {
     let free = |i: usize| most_of(i) > 0.0;
-    let first = begun((cloud, parallel), seed, walk, &free)?;
-    let mut members = first.clone();
+    let mut members = first.to_vec();
     let mut before: Vec<Primitive> = Vec::new();
     let mut stable = 0;
     for _ in 0..ROUNDS {
@@ -182,8 +213,8 @@ pub(super) fn grow(
         let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
         let primitive = best(&sample, &before)?.primitive;
         let most = 2 * members.len() + NEAREST;
-        let takes = |i: usize| free(i) && cost(&primitive, cloud.points[i], cloud.normals[i], u) < most_of(i);
-        let taken = walk.reach(cloud, &first, most, takes);
+        let takes = |i: usize| free(i) && cost(&primitive, cloud.contact(i), u, along) < most_of(i);
+        let taken = walk.reach(cloud, first, most, takes);
         if 2 * taken.len() < first.len() {
             return None;
         }

@@ -88,7 +88,8 @@ impl Partition {
         points.extend(more_points);
         normals.extend(more_normals);
         let mean = |primitive: &Primitive, from: usize, to: usize| -> f64 {
-            (from..to).map(|k| cost(primitive, points[k], normals[k], &u)).sum::<f64>() / (to - from) as f64
+            (from..to).map(|k| cost(primitive, (points[k], normals[k]), &u, field.along())).sum::<f64>()
+                / (to - from) as f64
         };
         // a primitive that explains nothing of the other part, nor the other way round, has nothing to do with it
         let foreign = if adjacent { 0.98 } else { 0.7 } * CAP;

@@ -81,6 +81,17 @@ impl Field<'_> {
         Field { pass: Noise { distance, normal }, coarse, ..*self }
     }
 
+    /// Whether every contact has a normal of its own: neither that of a plane through neighbours, nor turned by the waves of shared errors.
+    pub(super) fn has_clear_normals(&self) -> bool {
+        !self.blurred && !self.shared
+    }
+
+    /// What places are off by along the surface, where that turns their normals: those of planes through neighbours turn with many places,
+    /// and so do those of a surface that waves.
+    pub(super) fn along(&self) -> f64 {
+        if self.has_clear_normals() { self.noise.distance } else { 0.0 }
+    }
+
     /// A noise by which kinds are told: normals of planes through neighbours tell nothing beside the places that they are from, and on a
     /// face that is two contacts wide they lean towards the faces beside it.
     pub(super) fn told(&self, noise: Noise) -> Noise {
@@ -89,7 +100,7 @@ impl Field<'_> {
 
     /// Contacts that a primitive is judged by: those that it explains; where neighbours share errors all, since its own stand off, too.
     pub(super) fn judged(&self, inner: &[u32], primitive: &Primitive) -> Vec<u32> {
-        if self.shared { inner.to_vec() } else { explained(self.cloud, inner, primitive, &self.coarse) }
+        if self.shared { inner.to_vec() } else { explained(self.cloud, inner, primitive, &self.coarse, self.along()) }
     }
 }
 
@@ -160,7 +171,7 @@ impl Partition {
         let common = noise_of(&off.concat());
         let own = |off: &Vec<[f64; 2]>| noise_of(off).between(&common, &field.coarse);
         let own = if field.shared { Vec::new() } else { off.iter().map(own).collect() };
-        PartsScatter { common, own, most_price: field.tuning.most_price * CAP }
+        PartsScatter { common, own, along: field.along(), most_price: field.tuning.most_price * CAP }
     }
 
     /// Every point takes the label of least energy among those of its neighbours, all at once.
@@ -179,7 +190,7 @@ impl Partition {
                     NONE => CAP,
                     part => {
                         let part = part as usize;
-                        let own = cost(&self.parts[part], cloud.points[i], cloud.normals[i], scatter.of(part));
+                        let own = cost(&self.parts[part], cloud.contact(i), scatter.of(part), scatter.along);
                         (own + prices[part]).min(CAP)
                     }
                 };
@@ -208,7 +219,7 @@ impl Partition {
         let (cloud, u) = (field.cloud, &Noise { normal, ..field.coarse });
         let labels = threads::map(cloud.len(), 256, |i| match self.labels[i] {
             NONE => NONE,
-            part if cost(&self.parts[part as usize], cloud.points[i], cloud.normals[i], u) < CAP => part,
+            part if cost(&self.parts[part as usize], cloud.contact(i), u, field.along()) < CAP => part,
             _ => NONE,
         });
         let mut left = vec![0_usize; self.parts.len()];
@@ -254,8 +265,8 @@ impl Partition {
 
 /// The points that cost less than the most: a face too small to be a part has its neighbour's label, and a dozen points of a
 /// cone's top turn its half angle by five uncertainties.
-pub(super) fn explained(cloud: &Cloud, inner: &[u32], primitive: &Primitive, coarse: &Noise) -> Vec<u32> {
-    let is_explained = |i: &u32| cost(primitive, cloud.points[*i as usize], cloud.normals[*i as usize], coarse) < CAP;
+pub(super) fn explained(cloud: &Cloud, inner: &[u32], primitive: &Primitive, coarse: &Noise, along: f64) -> Vec<u32> {
+    let is_explained = |i: &u32| cost(primitive, cloud.contact(*i as usize), coarse, along) < CAP;
     let kept: Vec<u32> = inner.iter().copied().filter(is_explained).collect();
     if kept.len() >= FEWEST_POINTS { kept } else { inner.to_vec() }
 }

@@ -22,13 +22,15 @@ pub(super) struct PartsScatter {
     /// About each part, at least the common one: a part that is not fitted to its last digit yet, or departs, keeps its contacts. Empty: the
     /// common one.
     pub(super) own: Vec<Noise>,
+    /// What places are off by along the surface, where that turns their normals.
+    pub(super) along: f64,
     /// Most that a contact costs because its part scatters more than others.
     pub(super) most_price: f64,
 }
 
 impl PartsScatter {
-    pub(super) fn common(common: Noise) -> PartsScatter {
-        PartsScatter { common, own: Vec::new(), most_price: 0.0 }
+    pub(super) fn common(common: Noise, along: f64) -> PartsScatter {
+        PartsScatter { common, own: Vec::new(), along, most_price: 0.0 }
     }
 
     /// The same where normals tell nothing.
@@ -58,7 +60,7 @@ mod tests {
         let common = Noise { distance: 0.01, normal: 0.05 };
         let wider = |by: f64| Noise { distance: by * common.distance, normal: by * common.normal };
         let own = vec![common, wider(1.5), wider(1e3)];
-        let scatter = PartsScatter { common, own, most_price: 8.0 };
+        let scatter = PartsScatter { common, own, along: 0.0, most_price: 8.0 };
         assert_eq!(scatter.price(0), 0.0);
         assert!((scatter.price(1) - 6.0 * 1.5_f64.ln()).abs() < 1e-12);
         assert_eq!(scatter.price(2), 8.0);

@@ -30,6 +30,8 @@ pub(super) struct Segmentation {
     partition: Partition,
     /// What contacts scatter by, with what is let pass.
     coarse: Noise,
+    /// What places are off by along the surface, where that turns their normals.
+    along: f64,
     tolerance: f64,
     limit: SheetLimit,
     measured: bool,
@@ -62,8 +64,8 @@ impl Segmentation {
             Some(spread) => question.of_spread(Surveyed::new(spread, &pass, tuning), &field),
         };
         let (coarse, limit) = (field.coarse, partition.sheet_limit(&field));
-        let (tolerance, measured) = (field.pass.distance, !estimated);
-        Ok(Segmentation { all, partition, coarse, tolerance, limit, measured, side_known, origin, notes })
+        let (tolerance, along, measured) = (field.pass.distance, field.along(), !estimated);
+        Ok(Segmentation { all, partition, coarse, along, tolerance, limit, measured, side_known, origin, notes })
     }
 
     /// Share of the contacts in parts of simple kinds: rings and ellipsoids follow the pieces of any smooth surface.
@@ -75,10 +77,11 @@ impl Segmentation {
 
     /// The whole answer.
     pub(super) fn parts(self, tuning: &PartsTuning) -> Parts {
-        let Segmentation { all, partition, coarse, tolerance, limit, measured, side_known, origin, notes } = self;
+        let Segmentation { all, partition, coarse, along, tolerance, limit, measured, side_known, origin, notes } =
+            self;
         let Surveyed { cloud, shapes, noise, cells, .. } = &all;
         let noise = *noise;
-        Findings { cloud, shapes, noise, coarse, tolerance, cells, limit, measured, side_known, origin, tuning }
+        Findings { cloud, shapes, noise, coarse, along, tolerance, cells, limit, measured, side_known, origin, tuning }
             .parts(partition, notes)
     }
 }
@@ -169,8 +172,13 @@ fn of_whole_or_cut<'a>(
     if has_doubt && whole::is_free(&cut, field) {
         return (Partition { parts: Vec::new(), labels: vec![NONE; field.cloud.len()] }, *field, Origin::Free);
     }
-    let length = cut.description_length(field.cloud);
-    let whole = first.or_else(whole).filter(|whole| whole.description_length(field.cloud) <= length);
+    let length = |of: &Partition| of.description_length(field.cloud);
+    // where every contact has a normal of its own, these tell as much as the places
+    let has_normals = field.has_clear_normals();
+    let tells_more = |whole: &Partition| {
+        if has_normals { !cut.outtells(whole, field) } else { length(whole) <= length(&cut) }
+    };
+    let whole = first.or_else(whole).filter(tells_more);
     whole.map_or((cut, fine, Origin::Cut), |whole| (whole, *field, Origin::Whole))
 }
 

@@ -41,7 +41,7 @@ pub(super) fn given_to_all<'a>(found: Partition, spread: &Cloud, field: &Field<'
         |i: usize| tree.nearest(field.cloud.points[i], 1).first().map_or(NONE, |near| found.labels[near.1 as usize]);
     let labels = threads::map(field.cloud.len(), 256, label);
     let mut all = Partition { labels, parts: found.parts };
-    let scatter = PartsScatter::common(field.coarse);
+    let scatter = PartsScatter::common(field.coarse, field.along());
     (0..SWEEPS).for_each(|_| all.relabel(field.cloud, &scatter));
     all.drop_small();
     let (all, _) = looked_again(all, &mut field, true);
@@ -75,7 +75,8 @@ fn settled(mut partition: Partition, field: &Field) -> Partition {
     for round in 0..ROUNDS {
         let before = partition.labels.clone();
         partition.refit(field);
-        let scatter = if round > 0 { partition.scatter(field) } else { PartsScatter::common(field.coarse) };
+        let scatter =
+            if round > 0 { partition.scatter(field) } else { PartsScatter::common(field.coarse, field.along()) };
         (0..SWEEPS).for_each(|_| partition.relabel(cloud, &scatter));
         partition.drop_small();
         let joined = partition.join(field);

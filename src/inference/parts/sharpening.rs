@@ -49,7 +49,7 @@ fn sharper(inner: &[u32], before: &Primitive, field: &Field) -> Option<Primitive
         mad(inner.iter().map(|i| primitive.nearest(cloud.points[*i as usize]).0)).max(floor.distance)
     };
     let u = Noise { distance: scatter(before), normal: floor.normal };
-    let explains = |i: &u32| cost(before, cloud.points[*i as usize], cloud.normals[*i as usize], &u) < CAP;
+    let explains = |i: &u32| cost(before, cloud.contact(*i as usize), &u, field.along()) < CAP;
     let explained: Vec<u32> = inner.iter().copied().filter(explains).collect();
     let found = exact(cloud, &explained, before, &u)?.primitive;
     (scatter(&found) < field.tuning.sharper * u.distance).then_some(found)
@@ -73,7 +73,7 @@ fn of_sharper_kind((inner, before): (&[u32], &Primitive), field: &Field, common:
     let fitted = |kind| {
         (0..ROUNDS).try_fold(descended(kind, &sample, &[], extent)?, |found, _| {
             let near = Noise { distance: scatter(&found.primitive).max(field.noise.distance), ..u };
-            let kept = explained(cloud, inner, &found.primitive, &near);
+            let kept = explained(cloud, inner, &found.primitive, &near, field.along());
             exact(cloud, &kept, &found.primitive, &near)
         })
     };

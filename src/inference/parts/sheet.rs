@@ -13,6 +13,7 @@ use super::cloud::{Cloud, OPPOSITE};
 use super::local::{LocalShape, Noise};
 use super::tuning::PartsTuning;
 use crate::primitives::placed::Primitive;
+use palpate_geometry::curvature::curvedness;
 use palpate_numeric::statistics::{MAD_TO_SD, RAYLEIGH_TO_SD, upper_median};
 use palpate_numeric::vector::{dot, minus, norm};
 
@@ -20,6 +21,8 @@ use palpate_numeric::vector::{dot, minus, norm};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SheetLimit {
     pub(super) noise: Noise,
+    /// What places may be off by along the surface, where that turns their normals.
+    along: f64,
     /// Share of their linked neighbours that are among them.
     coherent: f64,
     /// Cosine between normals from which on a neighbour is asked for: one beyond an edge is of another face, where normals are measured.
@@ -40,7 +43,8 @@ impl SheetLimit {
         let facing = if blurred { OPPOSITE } else { parallel };
         let distance = loose * common.distance.hypot(beside.distance);
         let noise = Noise { distance, normal: loose * common.normal.hypot(beside.normal) };
-        SheetLimit { noise, coherent, facing, fewest }
+        let along = if blurred { 0.0 } else { loose * common.distance };
+        SheetLimit { noise, along, coherent, facing, fewest }
     }
 
     /// Whether the contacts of a part lie on a sheet about its primitive.
@@ -52,10 +56,15 @@ impl SheetLimit {
             let own = off(*i).0;
             if count > 0.0 { (own - sum / count).abs() / (1.0_f64 + 1.0 / count).sqrt() } else { own.abs() }
         };
-        let turn = |i: &u32| norm(minus(off(*i).1, cloud.normals[*i as usize]));
+        // a place that is off along a bent surface has the normal of another foot
+        let turned = |i: &u32| {
+            let [one, two] = primitive.curvatures(cloud.points[*i as usize]);
+            let limit = self.noise.normal.hypot(curvedness(one, two) * self.along);
+            norm(minus(off(*i).1, cloud.normals[*i as usize])) / limit
+        };
         self.coheres(cloud, labels, members)
             && MAD_TO_SD * median(members, roughness) <= self.noise.distance
-            && RAYLEIGH_TO_SD * median(members, turn) <= self.noise.normal
+            && RAYLEIGH_TO_SD * median(members, turned) <= 1.0
     }
 
     /// Whether one contact and its neighbours lie on a sheet.

@@ -23,6 +23,9 @@ pub struct PartsTuning {
     pub steals: f64,
     /// Cosine from which on two normals may be of one smooth face: 45 degrees.
     pub parallel: f64,
+    /// Length of the mean normal of the 20 neighbours of a contact, below which they may reach all round a bar, ring or pin that is few
+    /// contacts thick: half a ball has a half.
+    pub round: f64,
     /// How often parts are looked for again among the contacts that none explains.
     pub again: usize,
     /// Departures in shares of the cloud's size that are let pass, one after another, where contacts depart from their parts side by side:
@@ -92,6 +95,7 @@ impl Default for PartsTuning {
             barren: 4,
             steals: 1.0,
             parallel: 0.7,
+            round: 0.5,
             again: 3,
             departs: [0.01, 0.03],
             finer: 0.8,

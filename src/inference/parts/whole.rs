@@ -4,6 +4,7 @@
 //! primitives by `bodies`, with the contacts within four sds      the answer, if no longer to tell than the cut cloud:
 //! length = sum over parts (n ln sd + sum min(d^2 / sd^2, CAP) / 2 + unknowns / 2 ln N) + AGREE (pairs of neighbours in different parts)
 //!          sd by the median; contacts of no part 0, lengths in units of the cloud's size
+//!          where every contact has a normal of its own, which of the two tells more is asked as in `coarser_look.rs`
 //! primitives by `bodies` that hold nearly all                    the answer where neighbours share errors
 //! where normals are not measured, and the cut cloud has several parts:
 //! one primitive that holds nearly all, and is as near            the answer, if the parts go over into each other without an edge
