@@ -5,6 +5,7 @@
 //! another kind      if contacts scatter about it no more than others about their parts, and by half of what they do about the part's
 //! ```
 
+use super::evidence::Residuals;
 use super::hypothesis::{CAP, cost, descended, extent, sampled};
 use super::local::Noise;
 use super::partition::{FITTED, Field, Partition, ROUNDS, SWEEPS, exact, explained};
@@ -55,11 +56,15 @@ fn sharper(inner: &[u32], before: &Primitive, field: &Field) -> Option<Primitive
     (scatter(&found) < field.tuning.sharper * u.distance).then_some(found)
 }
 
-/// A primitive of another kind, where contacts scatter about it no more than the `common` ones about theirs, and clearly less than about the
-/// part's: what is let pass hides that a strip of a bar is none of a ball.
+/// A primitive of another kind, where the share of the contacts by which kinds are told scatters about it no more than the `common` ones
+/// about theirs, and clearly less than about the part's: what is let pass hides that a strip of a bar is none of a ball.
 fn of_sharper_kind((inner, before): (&[u32], &Primitive), field: &Field, common: f64) -> Option<Primitive> {
-    let (cloud, PartsTuning { loose, sharper, .. }) = (field.cloud, field.tuning);
-    let scatter = |primitive: &Primitive| mad(inner.iter().map(|i| primitive.nearest(cloud.points[*i as usize]).0));
+    let (cloud, PartsTuning { loose, sharper, own, .. }) = (field.cloud, field.tuning);
+    let scatter = |primitive: &Primitive| {
+        let mut residuals = Residuals::default();
+        residuals.add(cloud, inner, primitive);
+        residuals.spread(&Noise { distance: 0.0, normal: 0.0 }, *own).distance
+    };
     let most = sharper * scatter(before);
     if field.shared || most <= loose * common {
         return None;
