@@ -20,14 +20,14 @@
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use super::cloud::{Cloud, LINKED};
+use super::covariance_of_unknowns::covariance_of_unknowns;
 use super::evidence::Cells;
 use super::hypothesis::sampled;
 use super::local::{Noise, ROUNDING};
+use super::neighbour_products::Weighted;
 use super::partition::{exact, explained};
-use super::shared_errors::{Weighted, widened};
 use super::tuning::PartsTuning;
 use crate::primitives::descent::{Descended, Sample, share_of_distances};
-use crate::primitives::normal_equations::rows;
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::linalg::small::Square;
 use palpate_numeric::statistics::VarianceComponent;
@@ -59,16 +59,14 @@ pub(super) struct Exact {
     pub(super) p: Option<f64>,
     /// Root mean square of what noise does not explain, along the normal.
     pub(super) departure: f64,
-    /// By how much shared errors widen the variance of every unknown.
-    shared: [f64; MOST_UNKNOWNS],
+    /// Covariance of the unknowns, with what neighbours share; `None` where the points leave one open.
+    covariance: Option<Square<MOST_UNKNOWNS>>,
 }
 
 impl Exact {
     /// Covariance of the unknowns; `None` where the points leave one open.
     pub(super) fn covariance(&self) -> Option<Square<MOST_UNKNOWNS>> {
-        let independent = self.descended.covariance()?;
-        let wider = |i: usize, j: usize| independent[i][j] * (self.shared[i] * self.shared[j]).sqrt();
-        Some(std::array::from_fn(|i| std::array::from_fn(|j| wider(i, j))))
+        self.covariance
     }
 
     /// Whether this is a cone whose half angle may as well be zero.
@@ -169,29 +167,9 @@ fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, begin: &StartNoise, c
     let least = if weighed.distance > noise.distance { weighed.distance.powi(2) } else { 0.0 };
     let (p, departure) = lack_of_fit(cloud, inner, &descended.primitive, (share, least));
     let fit = Weighted { primitive: &descended.primitive, noise: &weighed, tuning: begin.tuning };
-    let shared = shared(cloud, inner, &descended, &fit, cells);
-    Some(Exact { descended, noise, p, departure, shared })
-}
-
-/// By how much shared errors widen the variance of every unknown: through what each contact moves it by.
-fn shared(cloud: &Cloud, inner: &[u32], descended: &Descended, fit: &Weighted, cells: &Cells) -> [f64; MOST_UNKNOWNS] {
-    let Some(covariance) = descended.covariance() else { return [1.0; MOST_UNKNOWNS] };
-    let free = descended.primitive.kind.free();
-    let weights = [fit.noise.distance.powi(-2), fit.noise.normal.powi(-2)];
-    let mut moves: [Vec<(u32, f64)>; MOST_UNKNOWNS] = Default::default();
-    for &i in inner {
-        let mut pull = [0.0; MOST_UNKNOWNS];
-        let rows = rows(&descended.primitive, cloud.points[i as usize], cloud.normals[i as usize]);
-        for (number, (residual, row)) in rows.into_iter().enumerate() {
-            let heavy = weights[usize::from(number > 0)] * residual;
-            free.iter().for_each(|&k| pull[k] += heavy * row[k]);
-        }
-        for &k in free {
-            moves[k].push((i, free.iter().map(|&j| covariance[k][j] * pull[j]).sum()));
-        }
-    }
-    let by_kernel = widened(cloud, inner, fit, &covariance);
-    std::array::from_fn(|k| cells.shared(&moves[k], free.len()).max(by_kernel[k]))
+    let covariance =
+        descended.covariance().map(|independent| covariance_of_unknowns(cloud, inner, &fit, &independent, cells));
+    Some(Exact { descended, noise, p, departure, covariance })
 }
 
 /// The unknowns that the distances determine.

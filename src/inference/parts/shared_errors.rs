@@ -1,125 +1,168 @@
 //! What errors that neighbours share add to the covariance of a primitive's unknowns.
 //!
 //! ```text
-//! c(r) = s^2 exp(-r / l)     least squares through the mean products of residuals of contacts r apart; distances and normals each
-//! x(r) = s r / l exp(-r / l) the same of a distance and the lean of a normal towards it
-//! V    = C + g C (sum_{i != j} a_i a_j' c_d(r_ij) + sum_t b_it b_jt' c_n(r_ij) + (a_i b_je' + b_je a_i') x(r_ij)) C
-//!        a, b: weighted rows of distance and normal;  e: direction from i to j
-//! g    = 1 / (1 - unknowns / n_e)       n_e = n^2 sd^2 / sum_ij c_d(r_ij): a fit takes from the residuals what it has unknowns for
+//! covariance of the residuals     M (v I + s K) M,   M = I - A C A'          v, s: at which e'e and e'Ke are what is expected of them
+//! K(r) = exp(-r / l)  of distances, and of normals        r / l exp(-r / l)  of a distance and the lean of a normal towards it
+//! V    = C (v A'A + s A'KA) C                                                l: where s K tells most of the residuals
 //! ```
 //!
-//! The kernel is that of `recognition`, and the sum that of K.-Y. Liang and S. L. Zeger, *Biometrika* 73 (1986) 13, with the kernel
-//! in place of products of single residuals: of few neighbourhoods these know too little.
+//! A fit takes from the residuals what it has unknowns for, and of few neighbourhoods it takes most: M says how much. C. R. Rao, *Estimation
+//! of variance and covariance components: MINQUE theory*, J. Multivariate Anal. 1 (1971) 257. The kernel is that of `recognition`. A range
+//! of which the unknowns take most could not be told from them, and is not asked.
 
 use super::cloud::Cloud;
-use super::local::Noise;
+use super::neighbour_products::{
+    CovarianceLaw, ENTRIES, KernelProducts, RESIDUAL, RowProducts, SummedRows, Weighted, kernel_products,
+};
 use super::tuning::PartsTuning;
-use crate::primitives::normal_equations::rows;
-use crate::primitives::placed::{MOST_UNKNOWNS, Primitive};
+use crate::primitives::placed::MOST_UNKNOWNS;
 use palpate_numeric::linalg::small::Square;
-use palpate_numeric::vector::{Vector, dot, minus, norm};
 
-/// Ranges beyond which an exponential covariance is none.
-const RANGES: f64 = 4.0;
-
-/// A primitive with the noise that its rows are weighted by.
-pub(super) struct Weighted<'a> {
-    pub(super) primitive: &'a Primitive,
-    pub(super) noise: &'a Noise,
-    pub(super) tuning: &'a PartsTuning,
+/// The rows of one sort: their number, products of rows, and those products with C before them.
+struct RowsOfASort {
+    count: f64,
+    squares: RowProducts,
+    taken: Square<MOST_UNKNOWNS>,
 }
 
-/// A derivative by the unknowns.
-type Row = [f64; MOST_UNKNOWNS];
-
-/// How a covariance falls with the distance over its range.
-type Law = fn(f64) -> f64;
-
-/// Of errors of one sort.
-const ALIKE: Law = |r| (-r).exp();
-
-/// Of an error of place and the lean of a normal farther on: where normals follow the surface that errors displaced, they lean along it.
-const AHEAD: Law = |r| r * (-r).exp();
-
-/// A covariance.
-#[derive(Clone, Copy)]
-struct ErrorKernel {
-    law: Law,
-    size: f64,
-    range: f64,
+/// A variance of single contacts and a covariance that neighbours share.
+struct ErrorComponents {
+    single: f64,
+    shared: f64,
+    /// How much e'e and e'Ke fall together by them.
+    gain: f64,
 }
 
-impl ErrorKernel {
-    fn at(&self, r: f64) -> f64 {
-        self.size * (self.law)(r / self.range)
-    }
-}
-
-/// Two contacts, by their numbers among those asked and those beside them.
-struct Pair {
-    one: usize,
-    other: usize,
-    apart: f64,
-    /// Unit vector from the one to the other, in the primitive's own axes.
-    towards: Vector,
-}
-
-impl Pair {
-    /// The component towards the other of what has three, those of a normal being rows 1 to 3.
-    fn ahead(&self, of: impl Fn(usize) -> f64) -> f64 {
-        (0..3).map(|k| self.towards[k] * of(k + 1)).sum()
-    }
-}
-
-/// By how much shared errors widen the variance of every unknown.
-pub(super) fn widened(
+/// Covariance of the unknowns where `covariance` is that under independent errors.
+pub(super) fn with_shared_errors(
     cloud: &Cloud,
     inner: &[u32],
     fit: &Weighted,
     covariance: &Square<MOST_UNKNOWNS>,
-) -> [f64; MOST_UNKNOWNS] {
+) -> Square<MOST_UNKNOWNS> {
     let [asked, beside] = fit.tuning.shared_asked.map(|most| evenly_among(inner, most));
-    let of = |i: &usize| rows(fit.primitive, cloud.points[*i], cloud.normals[*i]);
-    let [asked_rows, rows] = [&asked, &beside].map(|some| some.iter().map(of).collect::<Vec<_>>());
-    let pairs = pairs(cloud, [&asked, &beside], fit);
-    let products = |first: usize, last: usize, p: &Pair| -> f64 {
-        (first..=last).map(|t| asked_rows[p.one][t].0 * rows[p.other][t].0).sum::<f64>()
-    };
-    let sd = [fit.noise.distance, fit.noise.normal];
-    let of =
-        |law: Law, bound: f64, product: &dyn Fn(&Pair) -> f64| kernel((cloud, fit.tuning), &pairs, law, bound, product);
-    let of_distances = of(ALIKE, sd[0] * sd[0], &|p| products(0, 0, p));
-    let of_normals = of(ALIKE, sd[1] * sd[1], &|p| 0.5 * products(1, 3, p));
-    let of_both = of(AHEAD, sd[0] * sd[1], &|p| asked_rows[p.one][0].0 * p.ahead(|t| rows[p.other][t].0));
+    let estimate = VarianceEstimate::new(cloud, (inner.len(), &asked, &beside), fit, covariance);
+    let products = kernel_products(cloud, (&asked, &beside), fit);
     let mut middle = [[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS];
-    let free = fit.primitive.kind.free();
-    // every contact asked stands for as many, and so does every one beside it
-    let stands = (inner.len() as f64).powi(2) / (asked.len() * beside.len()) as f64;
-    let mut add = |heavy: f64, a: &Row, b: &Row| {
-        free.iter().for_each(|&p| free.iter().for_each(|&q| middle[p][q] += heavy * (a[p] * b[q] + b[p] * a[q])));
+    let mut add = |heavy: f64, products: &RowProducts| {
+        (0..MOST_UNKNOWNS).for_each(|p| (0..MOST_UNKNOWNS).for_each(|q| middle[p][q] += heavy * products[p][q]));
     };
-    let weights = sd.map(|sd| sd.powi(-2));
-    let mut together = 0.0;
-    for p in &pairs {
-        let (one, other) = (&asked_rows[p.one], &rows[p.other]);
-        for (t, kernel) in [of_distances, of_normals, of_normals, of_normals].into_iter().enumerate() {
-            let Some(kernel) = kernel else { continue };
-            add(0.5 * stands * weights[usize::from(t > 0)].powi(2) * kernel.at(p.apart), &one[t].1, &other[t].1);
+    for law in CovarianceLaw::ALL {
+        let of_law = products.iter().filter(|kernel| kernel.law == law);
+        let found = of_law.filter_map(|kernel| Some((estimate.components(kernel)?, kernel)));
+        let best = found.max_by(|a, b| a.0.gain.total_cmp(&b.0.gain));
+        let rows = match law {
+            CovarianceLaw::Distances => Some(&estimate.sorts[0]),
+            CovarianceLaw::Normals => Some(&estimate.sorts[1]),
+            CovarianceLaw::Ahead => None,
+        };
+        if let Some(rows) = rows {
+            add(best.as_ref().map_or(1.0, |(found, _)| found.single.max(0.0)), &rows.squares);
         }
-        if let Some(kernel) = of_both {
-            let ahead: Row = std::array::from_fn(|k| p.ahead(|t| other[t].1[k]));
-            add(stands * weights[0] * weights[1] * kernel.at(p.apart), &one[0].1, &ahead);
+        if let Some((found, kernel)) = best {
+            add(found.shared * estimate.stands, &kernel.once);
         }
-        together += of_distances.map_or(0.0, |kernel| stands * kernel.at(p.apart));
     }
-    let all = inner.len() as f64;
-    let independent = all / (1.0 + together / (all * fit.noise.distance.powi(2)));
-    let taken = (free.len() as f64 / independent).min(fit.tuning.shared_taken);
-    std::array::from_fn(|k| {
-        let row = |p: usize| free.iter().map(|&q| middle[p][q] * covariance[q][k]).sum::<f64>();
-        let more: f64 = free.iter().map(|&p| covariance[k][p] * row(p)).sum();
-        if covariance[k][k] > 0.0 { 1.0 + (more / covariance[k][k]).max(0.0) / (1.0 - taken) } else { 1.0 }
-    })
+    let right: Square<MOST_UNKNOWNS> =
+        middle.map(|row| std::array::from_fn(|q| (0..MOST_UNKNOWNS).map(|k| row[k] * covariance[k][q]).sum()));
+    covariance.map(|row| std::array::from_fn(|q| (0..MOST_UNKNOWNS).map(|k| row[k] * right[k][q]).sum()))
+}
+
+/// What components of variance are estimated from.
+struct VarianceEstimate<'a> {
+    tuning: &'a PartsTuning,
+    covariance: &'a Square<MOST_UNKNOWNS>,
+    /// Rows of distances and of normals.
+    sorts: [RowsOfASort; 2],
+    /// How many pairs every pair of contacts that is asked stands for, and how many contacts every one beside it.
+    stands: f64,
+    beside: f64,
+    /// By how much chance is larger, since a pair of which both are asked counts twice.
+    twice: f64,
+}
+
+impl<'a> VarianceEstimate<'a> {
+    fn new(
+        cloud: &Cloud,
+        (all, asked, beside): (usize, &[usize], &[usize]),
+        fit: &Weighted<'a>,
+        covariance: &'a Square<MOST_UNKNOWNS>,
+    ) -> Self {
+        let [stand_asked, stand_beside] = [asked, beside].map(|some| all as f64 / some.len().max(1) as f64);
+        let mut squares = [[[0.0; ENTRIES]; ENTRIES]; 2];
+        for rows in beside.iter().map(|i| SummedRows::new(cloud, *i, fit)) {
+            for p in 0..ENTRIES {
+                for q in 0..ENTRIES {
+                    squares[0][p][q] += stand_beside * rows.distance[p] * rows.distance[q];
+                    squares[1][p][q] += stand_beside * rows.normal.iter().map(|row| row[p] * row[q]).sum::<f64>();
+                }
+            }
+        }
+        let of = |sort: usize| {
+            let squares = squares[sort];
+            RowsOfASort { count: (sort + 1) as f64 * all as f64, squares, taken: before(covariance, &squares) }
+        };
+        VarianceEstimate {
+            tuning: fit.tuning,
+            covariance,
+            sorts: [0, 1].map(of),
+            stands: stand_asked * stand_beside,
+            beside: stand_beside,
+            twice: 1.0 + asked.len() as f64 / all as f64,
+        }
+    }
+
+    /// The components of the rows that a kernel is of; `None` where chance explains them, or the unknowns take most of what tells of them.
+    fn components(&self, kernel: &KernelProducts) -> Option<ErrorComponents> {
+        let once = kernel.once.map(|row| row.map(|value| self.stands * value));
+        let taken = before(self.covariance, &once);
+        let twice = trace(&before(self.covariance, &kernel.twice)) * self.stands * self.beside;
+        let square = self.stands * kernel.square;
+        // tr(K M K M)
+        let told = square - 2.0 * twice + trace_of_product(&taken, &taken);
+        let [distances, normals] = &self.sorts;
+        let (own, others) = match kernel.law {
+            CovarianceLaw::Distances => (Some(distances), Some(normals)),
+            CovarianceLaw::Normals => (Some(normals), Some(distances)),
+            CovarianceLaw::Ahead => (None, None),
+        };
+        let (single, info, together) = match own {
+            Some(own) => {
+                let other = |products| others.map_or(0.0, |other| trace_of_product(products, &other.taken));
+                let of_own = trace_of_product(&own.taken, &own.taken);
+                // tr(I M I M), tr(I M K M), and what is left of e'e and e'Ke where the rows of the other sort err by their noise alone
+                let both = own.count - 2.0 * trace(&own.taken) + of_own;
+                let mixed = trace_of_product(&own.taken, &taken) - 2.0 * trace(&taken);
+                let left = own.squares[RESIDUAL][RESIDUAL] - other(&own.taken);
+                let left_together = once[RESIDUAL][RESIDUAL] - other(&taken);
+                let info = told - mixed * mixed / both;
+                (Some((left / both, mixed / both)), info, left_together - mixed / both * left)
+            }
+            None => (None, told, once[RESIDUAL][RESIDUAL] + trace(&taken)),
+        };
+        let shared = together / info;
+        let clear = shared.abs() * (info / (self.stands * self.twice)).sqrt();
+        let is_told = info > (1.0 - self.tuning.shared_taken) * square && clear > self.tuning.shared_clear;
+        let single = single.map_or(0.0, |(alone, mixed)| alone - mixed * shared);
+        (is_told && (kernel.law == CovarianceLaw::Ahead || shared > 0.0)).then_some(ErrorComponents {
+            single,
+            shared,
+            gain: shared * together,
+        })
+    }
+}
+
+/// C times the products of rows by the unknowns.
+fn before(covariance: &Square<MOST_UNKNOWNS>, products: &RowProducts) -> Square<MOST_UNKNOWNS> {
+    covariance.map(|row| std::array::from_fn(|q| (0..MOST_UNKNOWNS).map(|k| row[k] * products[k][q]).sum()))
+}
+
+fn trace(matrix: &Square<MOST_UNKNOWNS>) -> f64 {
+    (0..MOST_UNKNOWNS).map(|k| matrix[k][k]).sum()
+}
+
+fn trace_of_product(a: &Square<MOST_UNKNOWNS>, b: &Square<MOST_UNKNOWNS>) -> f64 {
+    (0..MOST_UNKNOWNS).map(|p| (0..MOST_UNKNOWNS).map(|q| a[p][q] * b[q][p]).sum::<f64>()).sum()
 }
 
 /// At most so many of these contacts, evenly among all.
@@ -128,48 +171,11 @@ fn evenly_among(inner: &[u32], most: usize) -> Vec<usize> {
     (0..count).map(|k| inner[k * inner.len() / count] as usize).collect()
 }
 
-/// Every contact asked with every other one within the widest range.
-fn pairs(cloud: &Cloud, [asked, beside]: [&[usize]; 2], fit: &Weighted) -> Vec<Pair> {
-    let widest = RANGES * cloud.spacing * fit.tuning.shared_ranges.iter().fold(0.0, |most, range| range.max(most));
-    let all = (0..asked.len()).flat_map(|one| (0..beside.len()).map(move |other| (one, other)));
-    let pair = |(one, other): (usize, usize)| {
-        let step = minus(cloud.points[beside[other]], cloud.points[asked[one]]);
-        let apart = norm(step);
-        let is_near = asked[one] != beside[other] && apart > 0.0 && apart < widest;
-        let own = fit.primitive.axes.map(|axis| dot(axis, step) / apart);
-        is_near.then_some(Pair { one, other, apart, towards: own })
-    };
-    all.filter_map(pair).collect()
-}
-
-/// The kernel that products of residuals follow best, where none exceeds the `bound`; `None` where chance explains them.
-fn kernel(
-    (cloud, tuning): (&Cloud, &PartsTuning),
-    pairs: &[Pair],
-    law: Law,
-    bound: f64,
-    product: &dyn Fn(&Pair) -> f64,
-) -> Option<ErrorKernel> {
-    let mut best: Option<(f64, ErrorKernel)> = None;
-    for range in tuning.shared_ranges.map(|range| range * cloud.spacing) {
-        let (mut along, mut square) = (0.0, 0.0);
-        for pair in pairs.iter().filter(|pair| pair.apart < RANGES * range) {
-            let shape = law(pair.apart / range);
-            along += shape * product(pair);
-            square += shape * shape;
-        }
-        let clear = (along / (square.sqrt() * bound)).abs();
-        if square > 0.0 && clear > tuning.shared_clear && best.is_none_or(|(most, _)| clear > most) {
-            best = Some((clear, ErrorKernel { law, size: (along / square).clamp(-bound, bound), range }));
-        }
-    }
-    best.map(|(_, kernel)| kernel)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::parts::hypothesis::{descended, extent};
+    use crate::parts::local::Noise;
     use crate::primitives::descent::Sample;
     use crate::primitives::placed::PartKind;
     use palpate_numeric::draws::EffectDraws;
@@ -195,7 +201,8 @@ mod tests {
         let found = descended(PartKind::Plane, &sample, &[], extent(&cloud.points)).unwrap();
         let fit = Weighted { primitive: &found.primitive, noise: &noise, tuning: &PartsTuning::default() };
         let inner: Vec<u32> = (0..625).collect();
-        widened(&cloud, &inner, &fit, &found.covariance().unwrap())[2]
+        let independent = found.covariance().unwrap();
+        with_shared_errors(&cloud, &inner, &fit, &independent)[2][2] / independent[2][2]
     }
 
     /// Of 25 squares the mean is known as of 25 contacts; an exponential through their steps finds most of that.
