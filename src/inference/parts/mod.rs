@@ -27,6 +27,7 @@
 //! ```
 
 mod against_places;
+mod agreeing_sides;
 mod answer;
 mod cloud;
 mod coarser_look;
@@ -66,6 +67,7 @@ mod settling;
 mod shared_errors;
 mod sharpening;
 mod sheet;
+mod sided_normals;
 mod surveyed;
 mod tuning;
 mod unexplained_regions;

@@ -13,6 +13,7 @@ use super::jet::{Jet, Law, Touched, jet};
 use super::options::PartsOptions;
 use super::scale_selection::{asked, law};
 use super::segmentation;
+use super::sided_normals::{normals, told_side};
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::{Derivatives, Principal};
 use palpate_geometry::neighbours::Neighbours;
@@ -87,7 +88,11 @@ fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointS
     let mut notes = Vec::new();
     let points: Vec<Vector> = segmentation::places(contacts);
     let measured = contacts.unit_normal(0).is_some();
-    let normals = segmentation::normals(contacts, &points, options, &mut notes)?.normals;
+    let sided = normals(contacts, &points, options, &mut notes)?;
+    if let Some(why) = sided.estimated {
+        told_side(why, &sided.normals, options.viewpoint, &mut notes);
+    }
+    let normals = sided.normals;
     let (points, _, scale) = framed(&points).ok_or(PartsError::NoExtent)?;
     let tree = Neighbours::new(&points);
     let touched = Touched { points: &points, normals: &normals, tree: &tree, measured };

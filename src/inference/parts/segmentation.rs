@@ -6,10 +6,9 @@
 //! ```
 
 use palpate_geometry::contact::{Contacts, Rounding};
-use palpate_geometry::neighbours::{Oriented, oriented};
-use palpate_numeric::vector::{Vector, dot, minus, norm, scaled};
+use palpate_numeric::vector::Vector;
 
-use super::against_places::contradict;
+use super::agreeing_sides::agree;
 use super::answer::{Findings, Origin};
 use super::cloud::{Cloud, FEWEST_POINTS};
 use super::error::PartsError;
@@ -19,9 +18,10 @@ use super::partition::{Field, NONE, Partition};
 use super::result::Parts;
 use super::settling::{given_to_all, partition};
 use super::sheet::SheetLimit;
+use super::sided_normals::{Sided, normals, told_side};
 use super::surveyed::{LetPass, Surveyed};
 use super::tuning::PartsTuning;
-use super::{correlated_noise_merge, estimated, volume, whole};
+use super::{correlated_noise_merge, volume, whole};
 use crate::primitives::placed::PartKind;
 
 /// A cloud, and which part each contact is of.
@@ -50,21 +50,30 @@ impl Segmentation {
         }
         let (points, tuning) = (&places(contacts), &options.tuning);
         let mut notes = Vec::new();
-        let Sided { normals, side_known, estimated } = normals(contacts, points, options, &mut notes)?;
-        if estimated && let Some(power) = volume::filled(points, tuning) {
+        let Sided { normals, estimated, side_known } = normals(contacts, points, options, &mut notes)?;
+        let measured = estimated.is_none();
+        if !measured && let Some(power) = volume::filled(points, tuning) {
             return Err(PartsError::Volume { power });
         }
         let cloud = Cloud::new(points, normals).ok_or(PartsError::NoExtent)?.rounded(Rounding::of_contacts(contacts));
-        let pass = LetPass::new(&cloud, options.tolerance, estimated);
-        let all = Surveyed::new(cloud, &pass, tuning);
+        let pass = LetPass::new(&cloud, options.tolerance, !measured);
+        let mut all = Surveyed::new(cloud, &pass, tuning);
         let field = all.field(tuning);
-        let question = PartsQuestion { measured: !estimated, tolerance: options.tolerance };
-        let (partition, field, origin) = match all.cloud.spread(tuning.decided_on).filter(|_| !field.shared) {
+        let question = PartsQuestion { measured, tolerance: options.tolerance };
+        let (mut partition, field, origin) = match all.cloud.spread(tuning.decided_on).filter(|_| !field.shared) {
             None => question.of(&field),
             Some(spread) => question.of_spread(Surveyed::new(spread, &pass, tuning), &field),
         };
         let (coarse, limit) = (field.coarse, partition.sheet_limit(&field));
-        let (tolerance, along, measured) = (field.pass.distance, field.along(), !estimated);
+        let (tolerance, along) = (field.pass.distance, field.along());
+        let side_known = match estimated {
+            Some(why) => {
+                let is_open = options.viewpoint.is_none();
+                let agreeing = is_open.then(|| agree(&mut partition, &mut all.cloud, coarse.distance));
+                told_side(why, agreeing.as_ref().unwrap_or(&all.cloud.normals), options.viewpoint, &mut notes)
+            }
+            None => side_known,
+        };
         Ok(Segmentation { all, partition, coarse, along, tolerance, limit, measured, side_known, origin, notes })
     }
 
@@ -193,77 +202,4 @@ fn cut<'a>(field: &Field<'a>) -> (Partition, Field<'a>) {
     partition.drop_strips(field);
     partition.drop_strays(field);
     (partition, *field)
-}
-
-/// Unit normals on one side, and whether something tells that it is the free one.
-pub(super) struct Sided {
-    pub(super) normals: Vec<Vector>,
-    side_known: bool,
-    /// Whether they are from the positions.
-    estimated: bool,
-}
-
-/// Unit normals on one side, from the file or from the positions.
-pub(super) fn normals(
-    contacts: &Contacts,
-    points: &[Vector],
-    options: &PartsOptions,
-    notes: &mut Vec<String>,
-) -> Result<Sided, PartsError> {
-    let given: Option<Vec<Vector>> = (0..contacts.len()).map(|r| contacts.unit_normal(r)).collect();
-    let why = match given {
-        Some(normals) if contradict(points, &normals, &options.tuning) => "the file's normals contradict its places",
-        Some(normals) => return of_file(points, normals, notes),
-        None => "there are no normals",
-    };
-    let mut normals = estimated::estimated(points, options.viewpoint, &options.tuning);
-    let closes = goes_round(&normals);
-    if options.viewpoint.is_none() && closes && !points_outwards(points, &normals) {
-        normals.iter_mut().for_each(|n| *n = scaled(-1.0, *n));
-    }
-    let (side_known, side) = match (options.viewpoint.is_some(), closes) {
-        (true, _) => (true, "towards the viewpoint"),
-        (false, true) => (true, "outwards"),
-        (false, false) => (false, "upwards, though nothing tells which side is free"),
-    };
-    notes.push(format!(
-        "{why}; they were estimated from planes through neighbours and point {side}; a convex and a concave joint \
-         change places if that is the wrong side"
-    ));
-    Ok(Sided { normals, side_known, estimated: true })
-}
-
-/// The file's own, on one side.
-fn of_file(points: &[Vector], normals: Vec<Vector>, notes: &mut Vec<String>) -> Result<Sided, PartsError> {
-    let found = oriented(points, normals, None);
-    let undecided = found.undecided();
-    let Oriented { normals, consistent, flipped: turned, .. } = found;
-    if !consistent {
-        return Err(PartsError::Normals);
-    }
-    if turned > 0 {
-        let of = points.len();
-        notes
-            .push(format!("{turned} of {of} normals point to the other side than their neighbours' and were reversed"));
-    }
-    if let Some(share) = undecided {
-        notes.push(format!(
-            "only {:.0} % of the signs of normals agree, so that nothing tells which side is free; a convex and a concave joint change \
-             places if it is the other",
-            100.0 * share
-        ));
-    }
-    Ok(Sided { normals, side_known: undecided.is_none(), estimated: false })
-}
-
-/// Normals in all directions, as of a closed body.
-fn goes_round(normals: &[Vector]) -> bool {
-    let sum = normals.iter().fold([0.0; 3], |sum, n| [0, 1, 2].map(|k| sum[k] + n[k]));
-    norm(sum) < 0.3 * normals.len() as f64
-}
-
-fn points_outwards(points: &[Vector], normals: &[Vector]) -> bool {
-    let count = points.len() as f64;
-    let mean = points.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k] / count));
-    points.iter().zip(normals).map(|(p, n)| dot(minus(*p, mean), *n)).sum::<f64>() > 0.0
 }
