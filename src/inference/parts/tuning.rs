@@ -84,7 +84,7 @@ pub struct PartsTuning {
     pub volume: f64,
     /// Contacts from which on that is asked.
     pub volume_from: usize,
-    /// Most of what a fit is thought to have taken from residuals that neighbours share.
+    /// Most of what tells of shared errors that the unknowns of a fit may take: a range of which they take more could be shape as well.
     pub shared_taken: f64,
 }
 
