@@ -114,10 +114,11 @@ struct DistanceRing {
     ahead: SummedRows,
 }
 
-/// The sums for every law and range of the contacts `asked` with those `beside` them.
+/// The sums for every law and range of the contacts `asked` with those `beside` them, whose rows these are.
 pub(super) fn kernel_products(
     cloud: &Cloud,
-    (asked, beside): (&[usize], &[usize]),
+    asked: &[usize],
+    (beside, rows): (&[usize], &[SummedRows]),
     fit: &Weighted,
 ) -> Vec<KernelProducts> {
     let ranges = fit.tuning.shared_ranges.map(|range| range * cloud.spacing);
@@ -135,12 +136,11 @@ pub(super) fn kernel_products(
         square: 0.0,
     };
     let mut sums: Vec<KernelProducts> = kernels.iter().map(empty).collect();
-    let rows: Vec<SummedRows> = beside.iter().map(|i| SummedRows::new(cloud, *i, fit)).collect();
     let mut rings =
         vec![DistanceRing { count: 0.0, alike: SummedRows::NONE, ahead: SummedRows::NONE }; ring(widest) + 1];
     for &one in asked {
         rings.fill(DistanceRing { count: 0.0, alike: SummedRows::NONE, ahead: SummedRows::NONE });
-        for (&other, rows) in beside.iter().zip(&rows).filter(|(other, _)| **other != one) {
+        for (&other, rows) in beside.iter().zip(rows).filter(|(other, _)| **other != one) {
             let step = minus(cloud.points[other], cloud.points[one]);
             let apart = norm(step);
             if apart > 0.0 && apart < widest {

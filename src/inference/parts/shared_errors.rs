@@ -41,8 +41,9 @@ pub(super) fn with_shared_errors(
     covariance: &Square<MOST_UNKNOWNS>,
 ) -> Square<MOST_UNKNOWNS> {
     let [asked, beside] = fit.tuning.shared_asked.map(|most| evenly_among(inner, most));
-    let estimate = VarianceEstimate::new(cloud, (inner.len(), &asked, &beside), fit, covariance);
-    let products = kernel_products(cloud, (&asked, &beside), fit);
+    let rows: Vec<SummedRows> = beside.iter().map(|i| SummedRows::new(cloud, *i, fit)).collect();
+    let estimate = VarianceEstimate::new(fit.tuning, (inner.len(), asked.len()), &rows, covariance);
+    let products = kernel_products(cloud, &asked, (&beside, &rows), fit);
     let mut middle = [[0.0; MOST_UNKNOWNS]; MOST_UNKNOWNS];
     let mut add = |heavy: f64, products: &RowProducts| {
         (0..MOST_UNKNOWNS).for_each(|p| (0..MOST_UNKNOWNS).for_each(|q| middle[p][q] += heavy * products[p][q]));
@@ -83,14 +84,14 @@ struct VarianceEstimate<'a> {
 
 impl<'a> VarianceEstimate<'a> {
     fn new(
-        cloud: &Cloud,
-        (all, asked, beside): (usize, &[usize], &[usize]),
-        fit: &Weighted<'a>,
+        tuning: &'a PartsTuning,
+        (all, asked): (usize, usize),
+        beside: &[SummedRows],
         covariance: &'a Square<MOST_UNKNOWNS>,
     ) -> Self {
-        let [stand_asked, stand_beside] = [asked, beside].map(|some| all as f64 / some.len().max(1) as f64);
+        let [stand_asked, stand_beside] = [asked, beside.len()].map(|some| all as f64 / some.max(1) as f64);
         let mut squares = [[[0.0; ENTRIES]; ENTRIES]; 2];
-        for rows in beside.iter().map(|i| SummedRows::new(cloud, *i, fit)) {
+        for rows in beside {
             for p in 0..ENTRIES {
                 for q in 0..ENTRIES {
                     squares[0][p][q] += stand_beside * rows.distance[p] * rows.distance[q];
@@ -103,12 +104,12 @@ impl<'a> VarianceEstimate<'a> {
             RowsOfASort { count: (sort + 1) as f64 * all as f64, squares, taken: before(covariance, &squares) }
         };
         VarianceEstimate {
-            tuning: fit.tuning,
+            tuning,
             covariance,
             sorts: [0, 1].map(of),
             stands: stand_asked * stand_beside,
             beside: stand_beside,
-            twice: 1.0 + asked.len() as f64 / all as f64,
+            twice: 1.0 + asked as f64 / all as f64,
         }
     }
 
