@@ -3,9 +3,9 @@
 import json
 import os
 import pathlib
+import resource
 import subprocess
 import sys
-import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # what a user types, from the shortest call to the longest; each is a fraction of a second
@@ -38,7 +38,7 @@ def describe(commit):
 
 
 def build(commit, room):
-    """The release program of a commit with the seconds of compiling its own crates. What is below them is compiled once."""
+    """The release program of a commit with the processor seconds of compiling its own crates. What is below them is compiled once."""
     tree, target = room / "trees" / commit, room / "target"
     if not tree.exists():
         said("git", "worktree", "add", "--detach", "--force", tree, commit)
@@ -58,15 +58,21 @@ def build(commit, room):
 
 
 def timed_build(tree, own):
-    """Seconds of a build, and the names of what was compiled in it."""
-    began = time.monotonic()
+    """Processor seconds of a build, and the names of what was compiled in it: what else a machine does meanwhile is no part of them."""
+    began = children_seconds()
     done = subprocess.run(
         ["cargo", "build", "--release", "--locked"], cwd=tree, env=own, capture_output=True, text=True
     )
     if done.returncode != 0:
         sys.exit(f"cargo build of {tree.name}: {done.stderr.strip()[-2000:]}")
     words = [line.split() for line in done.stderr.splitlines()]
-    return time.monotonic() - began, {line[1] for line in words if len(line) > 1 and line[0] == "Compiling"}
+    return children_seconds() - began, {line[1] for line in words if len(line) > 1 and line[0] == "Compiling"}
+
+
+def children_seconds():
+    """Processor seconds of all programs that were called and have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def drop(tree):

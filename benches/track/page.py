@@ -17,7 +17,7 @@ KINDS = {
     "seconds": "Processor time of a command, over the parent's (paired runs, 99 % interval)",
     "counts": "Counts",
     "criterion": "Criterion, nanoseconds",
-    "build": "Compiling and size",
+    "build": "Compiling (processor seconds) and size (bytes)",
     "accuracy": "Errors where the truth is known",
 }
 

@@ -7,8 +7,9 @@
     cargo bench --bench counts | python benches/track/track.py --counts -
 
 Each commit is built in a tree of its own, and one JSON line is appended for it: counts (`cargo bench --bench counts`), criterion's benches
-(`--criterion hot_path`), seconds of compiling its crates, bytes of the program, errors where the truth is known, and the processor time of
-a few commands beside its parent's, in turn. A commit that has a line on this machine already is left out. The page draws them all.
+(`--criterion hot_path`), processor seconds of compiling its crates, bytes of the program, errors where the truth is known, and the
+processor time of a few commands beside its parent's, in turn. A commit that has a line on this machine already is left out. The page
+draws them all.
 
 `--halve` measures both ends, and of every stretch whose ends differ by more than noise the commit in the middle, until each change lies
 between two neighbours: of fifty commits that change little a handful is compiled. A run that is ended goes on where it was. What lies between two that are alike is taken to be like
