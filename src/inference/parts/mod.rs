@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! contacts -> neighbours -> surface about each contact, noise -> regions grown from the smoothest places
-//!          -> fit, relabel, join, until nothing changes -> exact primitives with u and a test -> joints
+//!          -> fit, relabel, join, until nothing changes -> one surface where errors that neighbours share explain two
+//!          -> exact primitives with u and a test -> joints
 //! energy = sum_contacts cost / 2 + (pairs of neighbours in different parts) + (unknowns) ln(rows) / 2
 //! ```
 //!
@@ -29,8 +30,10 @@
 mod against_places;
 mod agreeing_sides;
 mod answer;
+mod cell_means;
 mod cloud;
 mod coarser_look;
+mod correlated_likelihood;
 mod correlated_noise;
 mod correlated_noise_merge;
 mod covariance_of_unknowns;
@@ -39,6 +42,7 @@ mod error;
 mod estimated;
 mod evaluation;
 mod evidence;
+mod evidence_merge;
 mod exact;
 mod few_touches;
 mod free_form;

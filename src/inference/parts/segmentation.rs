@@ -199,6 +199,7 @@ fn cut<'a>(field: &Field<'a>) -> (Partition, Field<'a>) {
         partition.refit(field);
     }
     partition.drop_waves(field);
+    partition.merge_by_evidence(field);
     partition.drop_strips(field);
     partition.drop_strays(field);
     (partition, *field)

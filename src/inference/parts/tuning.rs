@@ -86,6 +86,13 @@ pub struct PartsTuning {
     pub volume_from: usize,
     /// Most of what tells of shared errors that the unknowns of a fit may take: a range of which they take more could be shape as well.
     pub shared_taken: f64,
+    /// Scatter about one primitive over that about two, or about a richer one, beyond which it is not asked whether shared errors make the
+    /// difference: those of scans are at most twice the errors of single contacts.
+    pub merged_scatter: f64,
+    /// Ranges of the errors that are then asked for, in distances between cells of contacts.
+    pub merged_ranges: [f64; 4],
+    /// Variances of these errors over that of a cell's own mean: steps of four, which lose half a unit of log probability at most.
+    pub merged_shares: [f64; 5],
 }
 
 impl Default for PartsTuning {
@@ -120,6 +127,9 @@ impl Default for PartsTuning {
             volume: 2.35,
             volume_from: 150,
             shared_taken: 0.75,
+            merged_scatter: 3.0,
+            merged_ranges: [1.0, 2.0, 4.0, 8.0],
+            merged_shares: [0.25, 1.0, 4.0, 16.0, 64.0],
         }
     }
 }
