@@ -8,8 +8,8 @@
 //! ```
 //!
 //! g = 0 is among the laws, so that errors which nobody shares cost nothing. A scanner's waves are smooth, and a detail with an edge is not.
-//! What is compared is judged by one law, and by one scatter: those that the finer description shows. Each by its own was tried, and shallow
-//! grooves were waves. So was moving the unknowns to where they fit best by the law, which moves no answer.
+//! What is compared is judged by one law, and by one scatter: those that the finer description shows. Each by its own was tried, and grooves
+//! of pipes were waves. So was moving the unknowns to where they fit best by the law, which moves no answer.
 
 use std::ops::Range;
 

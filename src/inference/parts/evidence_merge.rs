@@ -110,7 +110,7 @@ impl Partition {
     }
 
     fn merge(&mut self, field: &Field) -> bool {
-        let joined = self.join_by(field, |partition, (a, of_a), (b, of_b), adjacent| {
+        let joined = self.join_by(field, &|partition, (a, of_a), (b, of_b), adjacent| {
             let pair = [(partition.parts[a], of_a), (partition.parts[b], of_b)];
             if adjacent {
                 MergeCandidate::new(field, &pair).best_instead(partition.boundary(field, a, b))

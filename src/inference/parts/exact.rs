@@ -39,9 +39,8 @@ const CELL: usize = 11;
 /// Below this probability the data reject the primitive. One true primitive in a hundred is then rejected by chance.
 pub(super) const REJECTED: f64 = 0.01;
 
-/// Half angles within so many uncertainties of zero are those of cylinders, and curvatures those of planes: an interval of 99 % holds zero, as
-/// no primitive is rejected by more.
-const LIKELY: f64 = 2.576;
+/// Half angles within so many uncertainties of zero are those of cylinders, and curvatures those of planes: an interval of 95 % holds zero.
+const LIKELY: f64 = 1.96;
 
 /// Whether two noises differ by so little that a fit is the same.
 fn is_settled(a: &Noise, b: &Noise) -> bool {
@@ -328,7 +327,7 @@ mod tests {
 
     #[test]
     fn a_ball_whose_curvature_may_be_zero_is_a_plane() {
-        assert_eq!([kind_of_cap(120.0), kind_of_cap(1e6)], [PartKind::Sphere, PartKind::Plane]);
+        assert_eq!([kind_of_cap(200.0), kind_of_cap(1e6)], [PartKind::Sphere, PartKind::Plane]);
     }
 
     /// Planes through 13 neighbours lean at the rims of half a cone; with these as measurements its half angle was off by three u and more.

@@ -20,26 +20,22 @@ use palpate_numeric::threads;
 /// Points that two parts are judged by when they are to be joined.
 const JUDGED: usize = 200;
 
-/// By how much one primitive beats two parts, if it does, and that primitive.
-pub(super) trait PairGain:
-    Fn(&Partition, (usize, &[u32]), (usize, &[u32]), bool) -> Option<(f64, Primitive)> + Sync
-{
-}
-
-impl<F> PairGain for F where F: Fn(&Partition, (usize, &[u32]), (usize, &[u32]), bool) -> Option<(f64, Primitive)> + Sync
-{}
+/// By how much one primitive beats two parts, if it does, and that primitive: of each part its number and inner contacts, and whether some
+/// are next to each other.
+pub(super) type PairGain<'a> =
+    dyn Fn(&Partition, (usize, &[u32]), (usize, &[u32]), bool) -> Option<(f64, Primitive)> + Sync + 'a;
 
 impl Partition {
     /// Joins pairs of parts, the one that lowers the energy most first, until none does.
     pub(super) fn join(&mut self, field: &Field) -> bool {
-        self.join_by(field, |parts, one, two, adjacent| parts.gain_of_joining(field, one, two, adjacent))
+        self.join_by(field, &|parts, one, two, adjacent| parts.gain_of_joining(field, one, two, adjacent))
     }
 
-    /// The same by any gain of a pair, of which the inner contacts are given, and whether some are next to each other.
-    pub(super) fn join_by(&mut self, field: &Field, gain: impl PairGain) -> bool {
+    /// The same by any gain of a pair.
+    pub(super) fn join_by(&mut self, field: &Field, gain: &PairGain) -> bool {
         let mut joined = false;
         let pairs: Vec<(usize, usize)> = (0..self.parts.len()).flat_map(|b| (0..b).map(move |a| (a, b))).collect();
-        let mut gains = self.gains(field, &pairs, &gain);
+        let mut gains = self.gains(field, &pairs, gain);
         while let Some((_, primitive, (a, b))) = gains.iter().copied().reduce(|x, y| if y.0 > x.0 { y } else { x }) {
             joined = true;
             self.parts[a] = primitive;
@@ -51,18 +47,13 @@ impl Partition {
             gains.iter_mut().for_each(|(_, _, (x, y))| (*x, *y) = (moved(*x), moved(*y)));
             let others = (0..self.parts.len()).filter(|k| *k != a);
             let new: Vec<(usize, usize)> = others.map(|k| (a.min(k), a.max(k))).collect();
-            gains.extend(self.gains(field, &new, &gain));
+            gains.extend(self.gains(field, &new, gain));
         }
         joined
     }
 
     /// The pairs of which joining lowers the energy, by how much and to which primitive.
-    fn gains(
-        &self,
-        field: &Field,
-        pairs: &[(usize, usize)],
-        gain: &impl PairGain,
-    ) -> Vec<(f64, Primitive, (usize, usize))> {
+    fn gains(&self, field: &Field, pairs: &[(usize, usize)], gain: &PairGain) -> Vec<(f64, Primitive, (usize, usize))> {
         let cloud = field.cloud;
         let members = self.members();
         let inner = threads::map(members.len(), 1, |part| self.inner(cloud, &members[part]));

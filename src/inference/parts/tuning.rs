@@ -87,11 +87,11 @@ pub struct PartsTuning {
     /// Most of what tells of shared errors that the unknowns of a fit may take: a range of which they take more could be shape as well.
     pub shared_taken: f64,
     /// Scatter about one primitive over that about two, or about a richer one, beyond which it is not asked whether shared errors make the
-    /// difference: those of scans are at most twice the errors of single contacts.
+    /// difference: a surface that departs by more is another one, whatever it departs by.
     pub merged_scatter: f64,
     /// Ranges of the errors that are then asked for, in distances between cells of contacts.
     pub merged_ranges: [f64; 4],
-    /// Variances of these errors over that of a cell's own mean: steps of four, which lose half a unit of log probability at most.
+    /// Variances of these errors over that of a cell's own mean.
     pub merged_shares: [f64; 5],
 }
 
