@@ -37,6 +37,11 @@ def describe(commit):
     return {"commit": commit, "parent": (parent.split() or [""])[0], "date": date, "subject": subject}
 
 
+def sources(commit):
+    """Names by content of all that a program is compiled from: two commits that share them have the same one."""
+    return said("git", "rev-parse", *(f"{commit}:{path}" for path in ("src", "Cargo.toml", "Cargo.lock")))
+
+
 def build(commit, room):
     """The release program of a commit with the processor seconds of compiling its own crates. What is below them is compiled once."""
     tree, target = room / "trees" / commit, room / "target"

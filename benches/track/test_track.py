@@ -7,7 +7,7 @@ import unittest
 from changes import LEAST_COUNT, of_counts, of_pairs
 from measure import read_counts
 from page import page, series
-from track import halved
+from track import halved, known_line, machine
 
 PAIRS = 30
 
@@ -93,6 +93,16 @@ class Halving(unittest.TestCase):
         compared = lambda before, after: {"study": {"ratio": 1.0, "lo": 1.0, "hi": 1.0, "alarm": False}}
         self.assertEqual(len(halved(["a"], measured, compared)), 1)
         self.assertEqual([line["commit"] for line in halved(list("abcdefg"), measured, compared)], ["a", "g"])
+
+    def test_commits_of_the_same_sources_share_a_line_and_others_do_not(self):
+        line = lambda commit: {"commit": commit, "machine": machine(), "program_bytes": 1}
+        sources = {"a": "1", "b": "1", "c": "2", "d": "2"}.get
+        has_program = lambda commit: commit != "d"
+        found = lambda commit, *lines: known_line(commit, [line(other) for other in lines], sources, has_program)
+        self.assertEqual(found("b", "c", "a"), line("a"))
+        self.assertEqual(found("b", "a", "b"), line("b"))
+        self.assertIsNone(found("c", "a", "b"))
+        self.assertIsNone(found("c", "d"))
 
 
 class Pages(unittest.TestCase):

@@ -12,8 +12,9 @@ processor time of a few commands beside its parent's, in turn. A commit that has
 draws them all.
 
 `--halve` measures both ends, and of every stretch whose ends differ by more than noise the commit in the middle, until each change lies
-between two neighbours: of fifty commits that change little a handful is compiled. A run that is ended goes on where it was. What lies between two that are alike is taken to be like
-them, so that a change that is taken back again in between stays unseen.
+between two neighbours: of fifty commits that change little a handful is compiled, and none twice whose sources are the same. A run that
+is ended goes on where it was. What lies between two that are alike is taken to be like them, so that a change that is taken back again in
+between stays unseen.
 
 `--counts FILE` appends a line of the counts alone that were printed for the commit that is checked out, as `.ci/run` does.
 `--built COMMIT=PROGRAM` takes a program that is there, and leaves out what needs a build. `--self-check` compares a program a hundred times
@@ -96,10 +97,11 @@ def track_halving(arguments):
     programs = {}
 
     def measured(commit):
+        line = known_line(commit, read(arguments.file), measure.sources, lambda known: (room / "programs" / known).exists())
+        if line is not None:
+            programs[commit] = room / "programs" / line["commit"]
+            return {**line, **measure.describe(commit)}
         programs[commit] = room / "programs" / commit
-        known = [line for line in read(arguments.file) if line["commit"] == commit and is_whole(line)]
-        if known and programs[commit].exists():
-            return known[0]
         own = measure.build(commit, room)
         line = line_of(commit, own, None, arguments)
         # a run that is ended goes on from here
@@ -113,6 +115,13 @@ def track_halving(arguments):
     others = [line for line in read(arguments.file) if line["commit"] not in programs]
     arguments.file.write_text("".join(json.dumps(line) + "\n" for line in [*others, *lines]))
     print(f"{len(lines)} of {len(commits)} commits measured")
+
+
+def known_line(commit, lines, sources, has_program):
+    """The line of this commit, or of another with the same sources, whose program is kept; None where there is none."""
+    whole = [line for line in lines if is_whole(line) and has_program(line["commit"])]
+    own = [line for line in whole if line["commit"] == commit]
+    return next(iter(own), None) or next((line for line in whole if sources(line["commit"]) == sources(commit)), None)
 
 
 def is_whole(line):
