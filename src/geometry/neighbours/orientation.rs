@@ -49,6 +49,9 @@ const CONSISTENT: [f64; 2] = [0.5, 0.7];
 /// Share of the file's own signs below which a note says that they are mixed.
 const MAJORITY: f64 = 0.6;
 
+/// Contacts, evenly among all, of which such a share is known to a hundredth.
+const ASKED: usize = 8192;
+
 /// Contacts that one thread looks at.
 const TASK: usize = 256;
 
@@ -237,9 +240,13 @@ fn carried(points: &[Vector], normals: &[Vector], from: usize, to: usize) -> Vec
 /// Whether contacts and their nearest neighbours are parallel as on a surface. The tree's own edges are no measure of it: they are chosen
 /// for being parallel.
 fn neighbours_parallel(tree: &Neighbours, points: &[Vector], normals: &[Vector]) -> bool {
-    let known = |i: usize| normals[i] != [0.0; 3];
-    let pairs = (0..points.len()).filter(|&i| known(i)).filter_map(|i| Some((i, tree.nearest_other(i)?.1)));
-    let cosines: Vec<f64> = pairs.filter(|&(_, j)| known(j)).map(|(i, j)| dot(normals[i], normals[j]).abs()).collect();
+    let (known, asked) = (|i: usize| normals[i] != [0.0; 3], points.len().min(ASKED));
+    let at = |k: usize| {
+        let i = k * points.len() / asked;
+        let j = tree.nearest_other(i)?.1;
+        (known(i) && known(j)).then(|| dot(normals[i], normals[j]).abs())
+    };
+    let cosines: Vec<f64> = threads::map(asked, TASK, at).into_iter().flatten().collect();
     let parallel = cosines.iter().filter(|cosine| **cosine > PARALLEL).count() as f64;
     let [share, mean] = CONSISTENT.map(|least| least * cosines.len() as f64);
     parallel >= share || cosines.iter().sum::<f64>() > mean

@@ -22,8 +22,8 @@ const LEAF: usize = 12;
 #[derive(Clone, Debug)]
 pub struct Neighbours<'a> {
     points: Cow<'a, [Vector]>,
-    /// Numbers of the points, halves next to each other.
-    order: Vec<u32>,
+    /// The points with their numbers, halves next to each other: those of a leaf are read at once.
+    leaves: Vec<(Vector, u32)>,
     /// In the order in which the halves are visited.
     cuts: Vec<Halving>,
 }
@@ -129,13 +129,12 @@ impl<'a> Neighbours<'a> {
         };
         let mut cuts = vec![Halving::default(); (1 << depth_of(points.len())) - 1];
         cut(&mut items, 0, &mut cuts);
-        let order = items.into_iter().map(|(_, number)| number).collect();
-        Neighbours { points: Cow::Borrowed(points), order, cuts }
+        Neighbours { points: Cow::Borrowed(points), leaves: items, cuts }
     }
 
     /// The same tree with points of its own.
     pub fn into_owned(self) -> Neighbours<'static> {
-        Neighbours { points: Cow::Owned(self.points.into_owned()), order: self.order, cuts: self.cuts }
+        Neighbours { points: Cow::Owned(self.points.into_owned()), leaves: self.leaves, cuts: self.cuts }
     }
 
     /// Numbers of the `k` points nearest to `place`, nearest first; a point of the tree finds itself.
@@ -144,7 +143,7 @@ impl<'a> Neighbours<'a> {
             return Vec::new();
         }
         let mut found = Found::new(k);
-        self.visit(place, (0, 0, self.order.len()), [0.0; 3], &mut found);
+        self.visit(place, (0, 0, self.leaves.len()), [0.0; 3], &mut found);
         found.sorted()
     }
 
@@ -164,9 +163,9 @@ impl<'a> Neighbours<'a> {
         if node >= self.cuts.len() {
             #[cfg(test)]
             (found.leaves += 1);
-            for &number in &self.order[lo..hi] {
-                let offset = minus(self.points[number as usize], place);
-                found.keep((dot(offset, offset), number));
+            for (point, number) in &self.leaves[lo..hi] {
+                let offset = minus(*point, place);
+                found.keep((dot(offset, offset), *number));
             }
             return;
         }

@@ -6,26 +6,30 @@
 //! contradict     off > 10 degrees and off > 3 u, and most contacts are flat
 //! ```
 //!
-//! Normals that are only poor differ from those next to them by as much as from the planes.
+//! Of very many contacts some thousands are asked, evenly among all. Normals that are only poor differ from those next to them by as much as from the planes.
 
-use super::estimated::planes;
+use super::estimated::plane_about;
+use super::local::asked;
 use super::tuning::PartsTuning;
 use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::statistics::upper_median;
+use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, dot};
 
 /// Whether these normals are not those of the surface on which the places lie.
 pub(super) fn contradict(points: &[Vector], normals: &[Vector], tuning: &PartsTuning) -> bool {
-    let tree = Neighbours::new(points);
-    let planes = planes(points, &tree).1;
-    let flat: Vec<usize> =
-        (0..points.len()).filter(|i| planes[*i].sd <= tuning.flat_places * planes[*i].along).collect();
+    let (tree, asked) = (Neighbours::new(points), asked(points.len()).collect::<Vec<usize>>());
     let angle = |a: Vector, b: Vector| dot(a, b).abs().min(1.0).acos();
-    let off = upper_median(flat.iter().map(|i| angle(normals[*i], planes[*i].normal)).collect::<Vec<f64>>());
-    let beside = |i: &usize| Some(angle(normals[*i], normals[tree.nearest_other(*i)?.1]));
-    let own = upper_median(flat.iter().filter_map(beside).collect::<Vec<f64>>());
+    let at = |k: usize| {
+        let i = asked[k];
+        let plane = plane_about(points, &tree, i);
+        let (_, other) = tree.nearest_other(i).filter(|_| plane.sd <= tuning.flat_places * plane.along)?;
+        Some([angle(normals[i], plane.normal), angle(normals[i], normals[other])])
+    };
+    let flat: Vec<[f64; 2]> = threads::map(asked.len(), 64, at).into_iter().flatten().collect();
+    let [off, own] = [0, 1].map(|of| upper_median(flat.iter().map(|angles| angles[of]).collect::<Vec<f64>>()));
     let [least, times] = tuning.contradicts;
-    let are_most = 2 * flat.len() > points.len();
+    let are_most = 2 * flat.len() > asked.len();
     off.zip(own).is_some_and(|(off, own)| are_most && off > least.to_radians() && off > times * own)
 }
 

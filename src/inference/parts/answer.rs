@@ -8,7 +8,7 @@ use super::free_form::{FreeForm, free_form};
 use super::joint_angle::u_of_angle;
 use super::joints::{FoundJoint, Joint, JointKind, joints};
 use super::lack_of_fit_uncertainty::{is_free_form, is_rejected, reach};
-use super::local::{LocalShape, Noise};
+use super::local::{LocalShape, LocalShapes, Noise};
 use super::partition::{NONE, Partition};
 use super::recognition_fallback::{Few, few};
 use super::result::{Part, PartGeometry, PartUncertainty, Parts};
@@ -36,7 +36,7 @@ pub(super) enum Origin {
 /// What the answer is made of.
 pub(super) struct Findings<'a> {
     pub(super) cloud: &'a Cloud,
-    pub(super) shapes: &'a [LocalShape],
+    pub(super) shapes: &'a LocalShapes,
     pub(super) noise: Noise,
     pub(super) coarse: Noise,
     /// What places are off by along the surface, where that turns their normals.
@@ -214,7 +214,7 @@ impl Findings<'_> {
 
     /// S, R and the median misfit as the surfaces through neighbours have them.
     fn means_over(&self, members: &[u32]) -> (Option<f64>, f64, f64) {
-        let known: Vec<&LocalShape> = members.iter().map(|&i| &self.shapes[i as usize]).collect();
+        let known: Vec<&LocalShape> = self.shapes.of(self.cloud, members);
         let of_s: Vec<f64> = known.iter().filter_map(|s| s.principal.and_then(|p| p.shape_index())).collect();
         let of_r: Vec<f64> = known.iter().filter_map(|s| s.principal.map(|p| p.curvedness())).collect();
         let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);

@@ -7,7 +7,7 @@
 //! Every length in this room is in units of s until the answer is written, so that a cloud and its copy in metres are cut alike.
 
 use palpate_geometry::contact::Rounding;
-use palpate_geometry::neighbours::Neighbours;
+use palpate_geometry::neighbours::{Neighbours, morton_order};
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, scaled};
@@ -99,26 +99,11 @@ impl Cloud {
         if self.len() <= most {
             return None;
         }
-        let mut order: Vec<(u64, u32)> = self.points.iter().zip(0..).map(|(p, i)| (self.along_curve(p), i)).collect();
-        let place = |i: u32| self.points[i as usize];
-        let by_place = |a: u32, b: u32| {
-            let (a, b) = (place(a), place(b));
-            a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
-        };
-        order.sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| by_place(a.1, b.1)).then(a.1.cmp(&b.1)));
-        let taken = (0..most).map(|k| order[k * self.len() / most].1 as usize);
+        let order = morton_order(&self.points);
+        let taken = (0..most).map(|k| order[k * self.len() / most] as usize);
         let (points, normals) = taken.map(|i| (self.points[i], self.normals[i])).unzip();
         let spread = Cloud::beside_each_other(points, normals, self.centre, self.scale)?;
         Some(Cloud { rounding: self.rounding, ..spread })
-    }
-
-    /// Where a place lies along G. M. Morton's curve through cells of a spacing.
-    fn along_curve(&self, place: &Vector) -> u64 {
-        const BITS: u32 = 20;
-        let middle = f64::from(1 << (BITS - 1));
-        let side = self.spacing.max(f64::MIN_POSITIVE);
-        let cell = place.map(|v| (v / side + middle).clamp(0.0, 2.0 * middle - 1.0) as u64);
-        (0..BITS).fold(0, |key, bit| (0..3).fold(key, |key, k| key | ((cell[k] >> bit) & 1) << (3 * bit + k as u32)))
     }
 
     pub(super) fn len(&self) -> usize {

@@ -10,13 +10,13 @@
 
 use super::cloud::{Cloud, NEAREST};
 use super::hypothesis::{Walk, best, sampled};
-use super::local::{FACES_AWAY, LocalShape, Noise, ROUNDING};
+use super::local::{FACES_AWAY, LocalShapes, Noise, ROUNDING, asked};
 use crate::primitives::descent::Sample;
 use palpate_numeric::statistics::{Rank, quantile};
 use palpate_numeric::vector::{dot, minus};
 
 /// Places that are looked at.
-const PLACES: usize = 48;
+const PLACES: usize = 120;
 
 /// Share of places that are thought to lie within one part.
 const WITHIN: f64 = 0.3;
@@ -25,13 +25,15 @@ const WITHIN: f64 = 0.3;
 const WIDEST: usize = 40;
 
 /// Contacts of a neighbourhood that are fitted.
-const SAMPLED: usize = 150;
+const SAMPLED: usize = 60;
 
 /// The largest noise that is found at any width.
-pub(super) fn wide_noise(cloud: &Cloud, shapes: &[LocalShape], noise: &Noise) -> Noise {
-    let mut order: Vec<(f64, usize)> = (0..cloud.len()).map(|i| (shapes[i].variance[0], i)).collect();
+pub(super) fn wide_noise(cloud: &Cloud, shapes: &LocalShapes, noise: &Noise) -> Noise {
+    let asked: Vec<u32> = asked(cloud.len()).map(|i| i as u32).collect();
+    let variances = shapes.of(cloud, &asked).into_iter().map(|shape| shape.variance[0]);
+    let mut order: Vec<(f64, u32)> = variances.zip(asked).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let places: Vec<usize> = (0..PLACES).map(|k| order[k * cloud.len() / PLACES].1).collect();
+    let places: Vec<usize> = (0..PLACES).map(|k| order[k * order.len() / PLACES].1 as usize).collect();
     let mut widest = *noise;
     let mut walk = Walk::new(cloud.len());
     let mut width = 2 * NEAREST;

@@ -40,8 +40,10 @@ pub(super) fn absorb(partition: &mut Partition, field: &Field) -> bool {
         let into = around.into_iter().chain(others).filter(large).find(|&b| {
             let primitive = &partition.parts[b];
             let own = departures(cloud, primitive, &members[a]);
-            let [distance, normal] = largest(cloud, &mut walk, primitive, &inner[b], members[a].len());
-            own[0] <= distance && own[1] <= normal
+            let is_within = |[distance, normal]: [f64; 2]| own[0] <= distance && own[1] <= normal;
+            // most neighbours are seen to be other surfaces before any group is looked at
+            is_within(most_possible(cloud, primitive, &inner[b], members[a].len()))
+                && is_within(largest(cloud, &mut walk, primitive, &inner[b], members[a].len()))
         });
         if let Some(b) = into {
             gone[a] = true;
@@ -63,14 +65,33 @@ fn neighbours(cloud: &Cloud, labels: &[u32], members: &[u32], own: u32) -> Vec<u
     counts.into_iter().map(|(_, label)| label as usize).collect()
 }
 
-/// Mean squares of the distances and of the changes of the normal.
+/// Squares of the distance and of the change of the normal of a contact.
+fn squares(cloud: &Cloud, primitive: &Primitive, i: u32) -> [f64; 2] {
+    let (d, normal) = primitive.nearest(cloud.points[i as usize]);
+    let off = minus(normal, cloud.normals[i as usize]);
+    [d * d, dot(off, off)]
+}
+
+/// Their means.
 fn departures(cloud: &Cloud, primitive: &Primitive, members: &[u32]) -> [f64; 2] {
-    let squares = members.iter().fold([0.0; 2], |[distances, normals], &i| {
-        let (d, normal) = primitive.nearest(cloud.points[i as usize]);
-        let off = minus(normal, cloud.normals[i as usize]);
-        [distances + d * d, normals + dot(off, off)]
+    let sums = members.iter().fold([0.0; 2], |sums, &i| {
+        let of_contact = squares(cloud, primitive, i);
+        [0, 1].map(|k| sums[k] + of_contact[k])
     });
-    squares.map(|sum| sum / members.len().max(1) as f64)
+    sums.map(|sum| sum / members.len().max(1) as f64)
+}
+
+/// What no group of `size` or half as many can have more of: the means of the largest.
+fn most_possible(cloud: &Cloud, primitive: &Primitive, inner: &[u32], size: usize) -> [f64; 2] {
+    let all: Vec<[f64; 2]> = inner.iter().map(|&i| squares(cloud, primitive, i)).collect();
+    let fewest = size.div_ceil(2).min(all.len());
+    [0, 1].map(|k| {
+        let mut of: Vec<f64> = all.iter().map(|both| both[k]).collect();
+        if fewest < of.len() {
+            of.select_nth_unstable_by(fewest, |a, b| b.total_cmp(a));
+        }
+        of[..fewest].iter().sum::<f64>() / fewest.max(1) as f64
+    })
 }
 
 /// The largest of both over connected groups of `size` contacts.

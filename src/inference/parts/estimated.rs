@@ -29,11 +29,17 @@ pub(super) struct NeighbourPlane {
 }
 
 /// The contacts nearest to each, and their planes.
-pub(super) fn planes(points: &[Vector], tree: &Neighbours) -> (Vec<Vec<usize>>, Vec<NeighbourPlane>) {
+fn planes(points: &[Vector], tree: &Neighbours) -> (Vec<Vec<usize>>, Vec<NeighbourPlane>) {
     let nearest = |i: usize| tree.nearest(points[i], NEAREST).into_iter().map(|(_, j)| j as usize).collect();
     let near: Vec<Vec<usize>> = threads::map(points.len(), 256, nearest);
     let planes = threads::map(points.len(), 256, |i| plane(points, near[i].iter().copied()));
     (near, planes)
+}
+
+/// The plane of the contacts nearest to one.
+pub(super) fn plane_about(points: &[Vector], tree: &Neighbours, i: usize) -> NeighbourPlane {
+    let near = tree.nearest(points[i], NEAREST);
+    plane(points, near.iter().map(|(_, j)| *j as usize))
 }
 
 /// A unit normal for each point, on one side.

@@ -8,8 +8,8 @@
 //! ```
 
 use super::cloud::LINKED;
+use super::ordered_contacts;
 use super::result::Parts;
-use super::segmentation;
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::vector::{Vector, minus, norm};
@@ -44,14 +44,14 @@ pub fn against(contacts: &Contacts, parts: &Parts, faces: &[usize], kinds: usize
         })
         .collect();
     let right = (0..faces.len()).filter(|&i| part_of_face[faces[i]] == Some(label(i))).count();
-    let points: Vec<Vector> = segmentation::places(contacts);
+    let points: Vec<Vector> = ordered_contacts::places(contacts);
     let boundary_error = boundary_error(&points, &|i| faces[i], &label).map(|error| error / parts.spacing);
     Agreement { table, part_of_face, right: right as f64 / faces.len() as f64, boundary_error }
 }
 
 /// Which contacts have a neighbour in another part.
 pub fn boundary(contacts: &Contacts, labels: &[Option<u32>]) -> Vec<bool> {
-    let points: Vec<Vector> = segmentation::places(contacts);
+    let points: Vec<Vector> = ordered_contacts::places(contacts);
     let tree = Neighbours::new(&points);
     palpate_numeric::threads::map(points.len(), 256, |i| {
         tree.nearest(points[i], LINKED + 1).iter().any(|(_, j)| labels[*j as usize] != labels[i])

@@ -8,8 +8,8 @@
 
 use super::answer::{class_of, extent, geometry, mean_shape, share_against};
 use super::cloud::Cloud;
+use super::ordered_contacts::places;
 use super::result::{Part, PartUncertainty, Parts};
-use super::segmentation::places;
 use crate::bodies::{self, BodyPosterior, BodySample, Tuning, Verdict};
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_geometry::contact::{Contacts, Rounding};

@@ -7,7 +7,8 @@
 
 use super::cloud::{FEWEST_POINTS, NEAREST};
 use super::hypothesis::{CAP, Walk, begun_alike, begun_round, cost, grow, is_single};
-use super::partition::{Field, NONE, Partition};
+use super::local::{LocalShape, Noise};
+use super::partition::{Field, NONE, Partition, unlabelled};
 use super::sheet::SheetLimit;
 use crate::primitives::placed::Primitive;
 
@@ -18,7 +19,7 @@ pub(super) fn grown(from: Partition, field: &Field, limit: Option<&SheetLimit>) 
     let mut walk =
         if field.has_clear_normals() { Walk::along_faces(count, field.tuning.parallel) } else { Walk::new(count) };
     let mut growing = Growing::new(from, field);
-    for seed in smoothest_first(field, limit) {
+    for seed in smoothest_first(&growing.found.labels, field, limit) {
         if growing.tried[seed] || growing.found.labels[seed] != NONE {
             continue;
         }
@@ -31,15 +32,16 @@ pub(super) fn grown(from: Partition, field: &Field, limit: Option<&SheetLimit>) 
     growing.found
 }
 
-/// Contacts from which regions may begin, that with the least misfit of the surface through its neighbours first.
-fn smoothest_first(field: &Field, limit: Option<&SheetLimit>) -> impl Iterator<Item = usize> {
-    let (shapes, u) = (field.shapes, &field.coarse);
-    let misfit = |i: usize| {
-        let [z, n] = shapes[i].variance;
+/// Contacts of no part from which regions may begin, that with the least misfit of the surface through its neighbours first.
+fn smoothest_first(labels: &[u32], field: &Field, limit: Option<&SheetLimit>) -> impl Iterator<Item = usize> + use<> {
+    let (left, u): (Vec<u32>, &Noise) = (unlabelled(labels), &field.coarse);
+    let misfit = |shape: &LocalShape| {
+        let [z, n] = shape.variance;
         z / u.distance.powi(2) + 2.0 * n / u.normal.powi(2)
     };
-    let begins = |i: &usize| limit.is_none_or(|limit| limit.holds_contact(&shapes[*i]));
-    let mut order: Vec<(f64, u32)> = (0..shapes.len()).filter(begins).map(|i| (misfit(i), i as u32)).collect();
+    let begins = |(_, shape): &(u32, &LocalShape)| limit.is_none_or(|limit| limit.holds_contact(shape));
+    let known = left.iter().copied().zip(field.shapes.of(field.cloud, &left));
+    let mut order: Vec<(f64, u32)> = known.filter(begins).map(|(i, shape)| (misfit(shape), i)).collect();
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     order.into_iter().map(|(_, i)| i as usize)
 }

@@ -8,6 +8,8 @@
 //!
 //! Where an edge or a joint runs through the neighbourhood, the misfit is large: that is how regions know where not to begin.
 
+use std::sync::OnceLock;
+
 use super::cloud::{Cloud, LINKED, NEAREST};
 use palpate_geometry::contact::Rounding;
 use palpate_geometry::curvature::{Derivatives, Principal};
@@ -50,6 +52,16 @@ impl Noise {
         Noise { distance: above(self.distance, of_place, distance), normal: above(self.normal, of_normal, normal) }
     }
 
+    /// Not less than another.
+    pub(super) fn at_least_as(&self, other: &Noise) -> Noise {
+        Noise { distance: self.distance.max(other.distance), normal: self.normal.max(other.normal) }
+    }
+
+    /// With errors that are independent of these.
+    pub(super) fn hypot(&self, other: &Noise) -> Noise {
+        Noise { distance: self.distance.hypot(other.distance), normal: self.normal.hypot(other.normal) }
+    }
+
     /// Not less than one and not more than another; where these contradict, the former.
     pub(super) fn between(&self, least: &Noise, most: &Noise) -> Noise {
         Noise {
@@ -80,24 +92,50 @@ struct Width {
 const WIDTHS: [Width; 2] =
     [Width { nearest: LINKED, freedom: [5.0, 15.0] }, Width { nearest: NEAREST, freedom: [16.0, 36.0] }];
 
-/// Points of which noise is known well enough: to a hundredth.
+/// Points of which a median, such as the noise, is known well enough: to a hundredth.
 const ASKED: usize = 8192;
 
-/// The noise that most neighbourhoods show, the narrow ones and the wide ones, and the surface at every point.
-pub(super) fn local_shapes(cloud: &Cloud) -> ([Noise; 2], Vec<LocalShape>) {
-    let widths = WIDTHS.map(|width| noise_at(cloud, &width));
-    let [_, wide] = widths;
-    (widths, threads::map(cloud.len(), 64, |i| local_shape(cloud, i, NEAREST, &wide)))
+/// The noise that most neighbourhoods show, the narrow ones and the wide ones.
+pub(super) fn noise_by_width(cloud: &Cloud) -> [Noise; 2] {
+    WIDTHS.map(|width| noise_at(cloud, &width))
+}
+
+/// The surfaces at the points of a cloud, each computed when it is first asked for: of very many contacts few are in no part.
+pub(super) struct LocalShapes {
+    noise: Noise,
+    known: Vec<OnceLock<Box<LocalShape>>>,
+}
+
+impl LocalShapes {
+    /// By the noise of wide neighbourhoods.
+    pub(super) fn new(count: usize, noise: Noise) -> LocalShapes {
+        LocalShapes { noise, known: std::iter::repeat_with(OnceLock::new).take(count).collect() }
+    }
+
+    pub(super) fn at(&self, cloud: &Cloud, i: usize) -> &LocalShape {
+        self.known[i].get_or_init(|| Box::new(local_shape(cloud, i, NEAREST, &self.noise)))
+    }
+
+    /// Those of some points, computed side by side.
+    pub(super) fn of(&self, cloud: &Cloud, points: &[u32]) -> Vec<&LocalShape> {
+        threads::map(points.len(), 64, |k| self.at(cloud, points[k] as usize))
+    }
+}
+
+/// So many points, or all, evenly among all.
+pub(super) fn asked(count: usize) -> impl Iterator<Item = usize> {
+    let asked = count.min(ASKED);
+    (0..asked).map(move |k| k * count / asked)
 }
 
 /// The noise that most neighbourhoods of one width show.
 fn noise_at(cloud: &Cloud, width: &Width) -> Noise {
     // the ratio of the two noises decides little: any start of the right size finds it in two rounds
     let mut noise = Noise { distance: 0.1 * cloud.spacing, normal: 0.05 };
-    let asked = cloud.len().min(ASKED);
+    let asked: Vec<usize> = asked(cloud.len()).collect();
     for _ in 0..3 {
-        let at = |k: usize| local_shape(cloud, k * cloud.len() / asked, width.nearest, &noise).variance;
-        let variances = threads::map(asked, 64, at);
+        let at = |k: usize| local_shape(cloud, asked[k], width.nearest, &noise).variance;
+        let variances = threads::map(asked.len(), 64, at);
         let quantile = |block: usize| {
             let values: Vec<f64> = variances.iter().map(|v: &[f64; 2]| v[block]).collect();
             let value = statistics::quantile(values, SMOOTH, Rank::Floor).unwrap_or(0.0);

@@ -57,6 +57,7 @@ mod local;
 mod neighbour_products;
 mod object_match;
 mod options;
+mod ordered_contacts;
 mod pair_geometry;
 mod partition;
 mod point_shapes;

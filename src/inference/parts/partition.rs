@@ -13,7 +13,7 @@
 use super::cloud::{Cloud, FEWEST_POINTS, NEAREST};
 use super::evidence::{Cells, Residuals};
 use super::hypothesis::{CAP, cost, descended, extent, sampled};
-use super::local::{LocalShape, Noise};
+use super::local::{LocalShapes, Noise};
 use super::scatter::PartsScatter;
 use super::sheet::SheetLimit;
 use super::tuning::PartsTuning;
@@ -46,11 +46,16 @@ pub(super) struct Partition {
     pub(super) labels: Vec<u32>,
 }
 
+/// The contacts of no part.
+pub(super) fn unlabelled(labels: &[u32]) -> Vec<u32> {
+    labels.iter().zip(0..).filter(|(label, _)| **label == NONE).map(|(_, i)| i).collect()
+}
+
 /// What a partition is made from.
 #[derive(Clone, Copy)]
 pub(super) struct Field<'a> {
     pub(super) cloud: &'a Cloud,
-    pub(super) shapes: &'a [LocalShape],
+    pub(super) shapes: &'a LocalShapes,
     /// The noise as most places show it.
     pub(super) noise: Noise,
     /// The noise with what departures from a primitive are let pass.
@@ -180,8 +185,11 @@ impl Partition {
         let prices: Vec<f64> = (0..self.parts.len()).map(|part| scatter.price(part)).collect();
         let chosen = threads::map(cloud.len(), 256, |i| {
             let own = labels[i];
-            let mut candidates: Vec<u32> = cloud.near(i).iter().map(|&j| labels[j as usize]).collect();
-            candidates.push(own);
+            let beside = cloud.near(i).iter().map(|&j| labels[j as usize]);
+            if beside.clone().all(|label| label == own) {
+                return own;
+            }
+            let mut candidates: Vec<u32> = beside.chain([own]).collect();
             candidates.sort_unstable();
             candidates.dedup();
             let energy = |label: u32| {
@@ -309,7 +317,7 @@ pub(super) fn simplest(
     kept.map(|(primitive, _)| primitive)
 }
 
-/// The kind of the part fitted once more to all inner points, for the answer.
+/// The kind of the part fitted once more to all inner points, for the answer: from where some of them lead it.
 pub(super) fn exact(
     cloud: &Cloud,
     inner: &[u32],
@@ -317,9 +325,11 @@ pub(super) fn exact(
     u: &Noise,
 ) -> Option<crate::primitives::descent::Descended> {
     let (points, normals) = sampled(cloud, inner, usize::MAX);
-    let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
-    let near = descended(primitive.kind, &sample, &[*primitive], extent(&points))?;
-    descend(&near.primitive, &sample)
+    let all = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
+    let (some, turned) = sampled(cloud, inner, FITTED);
+    let part = Sample { points: &some, normals: &turned, ..all };
+    let near = descended(primitive.kind, &part, &[*primitive], extent(&points))?;
+    descend(&near.primitive, &all)
 }
 
 #[cfg(test)]

@@ -11,8 +11,8 @@ use super::cloud::{FEWEST_POINTS, framed};
 use super::error::PartsError;
 use super::jet::{Jet, Law, Touched, jet};
 use super::options::PartsOptions;
+use super::ordered_contacts::{OrderedContacts, in_input_order};
 use super::scale_selection::{asked, law};
-use super::segmentation;
 use super::sided_normals::{normals, told_side};
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::{Derivatives, Principal};
@@ -86,14 +86,14 @@ fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointS
         return Err(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST_POINTS + 1 });
     }
     let mut notes = Vec::new();
-    let points: Vec<Vector> = segmentation::places(contacts);
-    let measured = contacts.unit_normal(0).is_some();
-    let sided = normals(contacts, &points, options, &mut notes)?;
+    let OrderedContacts { places, normals: given, numbers } = OrderedContacts::new(contacts);
+    let measured = given.is_some();
+    let sided = normals(&places, given, options, &mut notes)?;
     if let Some(why) = sided.estimated {
         told_side(why, &sided.normals, options.viewpoint, &mut notes);
     }
     let normals = sided.normals;
-    let (points, _, scale) = framed(&points).ok_or(PartsError::NoExtent)?;
+    let (points, _, scale) = framed(&places).ok_or(PartsError::NoExtent)?;
     let tree = Neighbours::new(&points);
     let touched = Touched { points: &points, normals: &normals, tree: &tree, measured };
     let asked = asked(&touched);
@@ -101,7 +101,7 @@ fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointS
     let spacing = upper_median(nearest.collect::<Vec<f64>>()).unwrap_or(0.0);
     let law = law(&touched, &asked, spacing).filter(|_| spacing > 0.0).ok_or(PartsError::NoExtent)?;
     let all = threads::map(points.len(), 64, |i| at(&touched, i, &law));
-    let mut shapes = gathered(&all, scale);
+    let mut shapes = gathered(&in_input_order(&numbers, &all), scale);
     let open = shapes.curvedness.iter().filter(|r| r.is_nan()).count();
     if open > 0 {
         notes.push(format!("{open} of {} points have too few neighbours on their side for a curvature", points.len()));

@@ -11,8 +11,9 @@
 //! The surface is given as many unknowns as the primitives have, since a free form takes what it wants.
 
 use super::cloud::{DIGITS, framed};
+use super::ordered_contacts::places;
 use super::scatter::lie_off_together;
-use super::segmentation::{Segmentation, is_simple, places};
+use super::segmentation::{Segmentation, is_simple};
 use super::{Parts, PartsOptions};
 use crate::bodies::{Tuning, price_of_unknowns};
 use palpate_geometry::contact::Contacts;

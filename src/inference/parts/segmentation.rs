@@ -6,7 +6,6 @@
 //! ```
 
 use palpate_geometry::contact::{Contacts, Rounding};
-use palpate_numeric::vector::Vector;
 
 use super::agreeing_sides::agree;
 use super::answer::{Findings, Origin};
@@ -14,6 +13,7 @@ use super::cloud::{Cloud, FEWEST_POINTS};
 use super::error::PartsError;
 use super::local::Noise;
 use super::options::PartsOptions;
+use super::ordered_contacts::{OrderedContacts, in_input_order};
 use super::partition::{Field, NONE, Partition};
 use super::result::Parts;
 use super::settling::{given_to_all, partition};
@@ -27,6 +27,8 @@ use crate::primitives::placed::PartKind;
 /// A cloud, and which part each contact is of.
 pub(super) struct Segmentation {
     all: Surveyed,
+    /// The contacts' numbers in the input.
+    numbers: Vec<u32>,
     partition: Partition,
     /// What contacts scatter by, with what is let pass.
     coarse: Noise,
@@ -48,21 +50,21 @@ impl Segmentation {
         if contacts.len() < FEWEST_POINTS {
             return Err(PartsError::TooFew { contacts: contacts.len(), needed: FEWEST_POINTS });
         }
-        let (points, tuning) = (&places(contacts), &options.tuning);
-        let mut notes = Vec::new();
-        let Sided { normals, estimated, side_known } = normals(contacts, points, options, &mut notes)?;
+        let (tuning, mut notes) = (&options.tuning, Vec::new());
+        let OrderedContacts { places, normals: given, numbers } = OrderedContacts::new(contacts);
+        let Sided { normals, estimated, side_known } = normals(&places, given, options, &mut notes)?;
         let measured = estimated.is_none();
-        if !measured && let Some(power) = volume::filled(points, tuning) {
+        if !measured && let Some(power) = volume::filled(&places, tuning) {
             return Err(PartsError::Volume { power });
         }
-        let cloud = Cloud::new(points, normals).ok_or(PartsError::NoExtent)?.rounded(Rounding::of_contacts(contacts));
+        let cloud = Cloud::new(&places, normals).ok_or(PartsError::NoExtent)?.rounded(Rounding::of_contacts(contacts));
         let pass = LetPass::new(&cloud, options.tolerance, !measured);
         let mut all = Surveyed::new(cloud, &pass, tuning);
         let field = all.field(tuning);
         let question = PartsQuestion { measured, tolerance: options.tolerance };
-        let (mut partition, field, origin) = match all.cloud.spread(tuning.decided_on).filter(|_| !field.shared) {
+        let (mut partition, field, origin) = match &all.spread {
             None => question.of(&field),
-            Some(spread) => question.of_spread(Surveyed::new(spread, &pass, tuning), &field),
+            Some(spread) => question.of_spread(spread, &field),
         };
         let (coarse, limit) = (field.coarse, partition.sheet_limit(&field));
         let (tolerance, along) = (field.pass.distance, field.along());
@@ -74,7 +76,19 @@ impl Segmentation {
             }
             None => side_known,
         };
-        Ok(Segmentation { all, partition, coarse, along, tolerance, limit, measured, side_known, origin, notes })
+        Ok(Segmentation {
+            all,
+            numbers,
+            partition,
+            coarse,
+            along,
+            tolerance,
+            limit,
+            measured,
+            side_known,
+            origin,
+            notes,
+        })
     }
 
     /// Share of the contacts in parts of simple kinds: rings and ellipsoids follow the pieces of any smooth surface.
@@ -86,18 +100,38 @@ impl Segmentation {
 
     /// The whole answer.
     pub(super) fn parts(self, tuning: &PartsTuning) -> Parts {
-        let Segmentation { all, partition, coarse, along, tolerance, limit, measured, side_known, origin, notes } =
-            self;
+        let Segmentation {
+            all,
+            numbers,
+            partition,
+            coarse,
+            along,
+            tolerance,
+            limit,
+            measured,
+            side_known,
+            origin,
+            notes,
+        } = self;
         let Surveyed { cloud, shapes, noise, cells, .. } = &all;
         let noise = *noise;
-        Findings { cloud, shapes, noise, coarse, along, tolerance, cells, limit, measured, side_known, origin, tuning }
-            .parts(partition, notes)
+        let findings = Findings {
+            cloud,
+            shapes,
+            noise,
+            coarse,
+            along,
+            tolerance,
+            cells,
+            limit,
+            measured,
+            side_known,
+            origin,
+            tuning,
+        };
+        let found = findings.parts(partition, notes);
+        Parts { labels: in_input_order(&numbers, &found.labels), ..found }
     }
-}
-
-/// Places of all contacts.
-pub(super) fn places(contacts: &Contacts) -> Vec<Vector> {
-    (0..contacts.len()).map(|r| [contacts.x[r], contacts.y[r], contacts.z[r]]).collect()
 }
 
 /// Whether a kind does not follow the pieces of any smooth surface.
@@ -139,7 +173,7 @@ impl PartsQuestion {
     }
 
     /// What contacts spread over a large cloud are made of, and all of them by that.
-    fn of_spread<'a>(&self, spread: Surveyed, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
+    fn of_spread<'a>(&self, spread: &Surveyed, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
         let (found, _, origin, share) = self.looked(&spread.field(field.tuning));
         let (mut found, field) = given_to_all(found, &spread.cloud, &field.letting_pass(share));
         if correlated_noise_merge::absorb(&mut found, &field) {

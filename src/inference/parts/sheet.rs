@@ -10,7 +10,7 @@
 //! A departure from the primitive that neighbours share leaves r alone, so that the fit need not be good. What is no sheet is no part.
 
 use super::cloud::{Cloud, OPPOSITE};
-use super::local::{LocalShape, Noise};
+use super::local::{LocalShape, LocalShapes, Noise};
 use super::tuning::PartsTuning;
 use crate::primitives::placed::Primitive;
 use palpate_geometry::curvature::curvedness;
@@ -74,11 +74,12 @@ impl SheetLimit {
     }
 
     /// Whether the contacts of a region lie on a sheet, as the surfaces through their neighbours have it.
-    pub(super) fn holds_region(&self, cloud: &Cloud, shapes: &[LocalShape], labels: &[u32], members: &[u32]) -> bool {
+    pub(super) fn holds_region(&self, cloud: &Cloud, shapes: &LocalShapes, labels: &[u32], members: &[u32]) -> bool {
+        let sd = |k: usize| median(members, |i| shapes.at(cloud, *i as usize).variance[k]).sqrt();
         members.len() >= self.fewest
             && self.coheres(cloud, labels, members)
-            && median(members, |i| shapes[*i as usize].variance[0]).sqrt() <= self.noise.distance
-            && median(members, |i| shapes[*i as usize].variance[1]).sqrt() <= self.noise.normal
+            && sd(0) <= self.noise.distance
+            && sd(1) <= self.noise.normal
     }
 
     /// Whether these contacts have enough of each other as neighbours. What faces another way is another face or wall, however near it is.

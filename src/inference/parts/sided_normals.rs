@@ -9,7 +9,6 @@ use super::against_places::contradict;
 use super::error::PartsError;
 use super::estimated;
 use super::options::PartsOptions;
-use palpate_geometry::contact::Contacts;
 use palpate_geometry::neighbours::{Oriented, oriented};
 use palpate_numeric::vector::{Vector, dot, minus, norm, scaled};
 
@@ -24,12 +23,11 @@ pub(super) struct Sided {
 
 /// Unit normals on one side, from the file or from the positions.
 pub(super) fn normals(
-    contacts: &Contacts,
     points: &[Vector],
+    given: Option<Vec<Vector>>,
     options: &PartsOptions,
     notes: &mut Vec<String>,
 ) -> Result<Sided, PartsError> {
-    let given: Option<Vec<Vector>> = (0..contacts.len()).map(|r| contacts.unit_normal(r)).collect();
     let why = match given {
         Some(normals) if contradict(points, &normals, &options.tuning) => "the file's normals contradict its places",
         Some(normals) => return of_file(points, normals, notes),

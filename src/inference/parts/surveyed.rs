@@ -12,7 +12,7 @@
 use super::cloud::Cloud;
 use super::correlated_noise::wide_noise;
 use super::evidence::Cells;
-use super::local::{LocalShape, Noise, local_shapes};
+use super::local::{LocalShapes, Noise, noise_by_width};
 use super::partition::Field;
 use super::tuning::PartsTuning;
 
@@ -48,7 +48,7 @@ impl LetPass {
 /// A cloud with what its neighbourhoods show.
 pub(super) struct Surveyed {
     pub(super) cloud: Cloud,
-    pub(super) shapes: Vec<LocalShape>,
+    pub(super) shapes: LocalShapes,
     /// The noise that most neighbourhoods show.
     pub(super) noise: Noise,
     /// The least noise of a part.
@@ -62,21 +62,33 @@ pub(super) struct Surveyed {
     pub(super) shared: bool,
     /// Whether normals are those of planes through neighbours.
     blurred: bool,
+    /// What wide neighbourhoods show.
+    wide: Noise,
+    /// Some of very many contacts, by which they are cut.
+    pub(super) spread: Option<Box<Surveyed>>,
 }
 
 impl Surveyed {
     pub(super) fn new(cloud: Cloud, pass: &LetPass, tuning: &PartsTuning) -> Surveyed {
-        let ([narrow, wide], shapes) = local_shapes(&cloud);
+        let [narrow, wide] = noise_by_width(&cloud);
+        let shapes = LocalShapes::new(cloud.len(), wide);
         let least = Noise { distance: narrow.distance.min(wide.distance), normal: narrow.normal.min(wide.normal) };
-        let LetPass { noise: pass, unresolved, estimated } = *pass;
-        let turns_alike = !estimated && wide.normal > pass.normal.max(tuning.shared_turns * narrow.normal);
-        let shared = turns_alike && least.distance > pass.distance;
+        let LetPass { noise: let_pass, unresolved, estimated } = *pass;
+        let turns_alike = !estimated && wide.normal > let_pass.normal.max(tuning.shared_turns * narrow.normal);
+        let shared = turns_alike && least.distance > let_pass.distance;
         let noise = if shared { wide } else { least };
-        let wide = wide_noise(&cloud, &shapes, &noise);
-        let coarse = Noise { distance: wide.distance.hypot(pass.distance), normal: wide.normal.hypot(pass.normal) };
+        let spread = if shared { None } else { cloud.spread(tuning.decided_on) };
+        let spread = spread.map(|spread| Box::new(Surveyed::new(spread, pass, tuning)));
+        // neighbourhoods that are as wide hold contacts enough among those
+        let wide = match &spread {
+            Some(spread) => spread.wide.at_least_as(&noise),
+            None => wide_noise(&cloud, &shapes, &noise),
+        };
+        let coarse = wide.hypot(&let_pass);
         let floor = if estimated { Noise { normal: coarse.normal, ..wide } } else { wide };
         let cells = Cells::new(&cloud);
-        Surveyed { cloud, shapes, noise, floor, coarse, pass, unresolved, cells, shared, blurred: estimated }
+        let (pass, blurred) = (let_pass, estimated);
+        Surveyed { cloud, shapes, noise, floor, coarse, pass, unresolved, cells, shared, blurred, wide, spread }
     }
 
     pub(super) fn field<'a>(&'a self, tuning: &'a PartsTuning) -> Field<'a> {

@@ -9,8 +9,8 @@
 
 use super::cloud::Cloud;
 use super::hypothesis::Walk;
-use super::local::LocalShape;
-use super::partition::NONE;
+use super::local::{LocalShape, LocalShapes};
+use super::partition::{NONE, unlabelled};
 use super::sheet::SheetLimit;
 
 /// As between primitives.
@@ -23,18 +23,19 @@ const SWEEPS: usize = 8;
 /// none. Gives back how many regions there are.
 pub(super) fn label_leftover(
     cloud: &Cloud,
-    shapes: &[LocalShape],
+    shapes: &LocalShapes,
     labels: &mut [u32],
     first: u32,
     limit: &SheetLimit,
 ) -> u32 {
-    let left: Vec<usize> = (0..cloud.len()).filter(|&i| labels[i] == NONE).collect();
+    let left = unlabelled(labels);
+    let shapes_left = shapes.of(cloud, &left);
     let free: Vec<bool> = labels.iter().map(|l| *l == NONE).collect();
     let mut classes: Vec<u8> = vec![0; cloud.len()];
-    let data = |i: usize, class: u8| {
-        let Some(s) = shapes[i].principal.and_then(|p| p.shape_index()) else { return 0.0 };
+    let data = |shape: &LocalShape, class: u8| {
+        let Some(s) = shape.principal.and_then(|p| p.shape_index()) else { return 0.0 };
         let centre = 0.5 * f64::from(class) - 1.0;
-        0.5 * ((s - centre) / shapes[i].u_shape_index.hypot(0.125)).powi(2)
+        0.5 * ((s - centre) / shape.u_shape_index.hypot(0.125)).powi(2)
     };
     let least = |energy: &dyn Fn(u8) -> f64| {
         (1..5).fold((0, energy(0)), |best, class| {
@@ -42,26 +43,26 @@ pub(super) fn label_leftover(
             if new < best.1 { (class, new) } else { best }
         })
     };
-    left.iter().for_each(|&i| classes[i] = least(&|class| data(i, class)).0);
+    let each = || left.iter().map(|i| *i as usize).zip(&shapes_left);
+    each().for_each(|(i, shape)| classes[i] = least(&|class| data(shape, class)).0);
     for _ in 0..SWEEPS {
-        let chosen: Vec<u8> = left
-            .iter()
-            .map(|&i| {
-                let linked = cloud.linked(i).iter().filter(|&&j| free[j as usize]);
-                let others: Vec<u8> = linked.map(|&j| classes[j as usize]).collect();
-                let differing = |class: u8| others.iter().filter(|other| **other != class).count() as f64;
-                least(&|class| data(i, class) + AGREE * differing(class)).0
-            })
-            .collect();
-        left.iter().zip(chosen).for_each(|(&i, class)| classes[i] = class);
+        let agreeing = |(i, shape): (usize, &&LocalShape)| {
+            let linked = cloud.linked(i).iter().filter(|&&j| free[j as usize]);
+            let others: Vec<u8> = linked.map(|&j| classes[j as usize]).collect();
+            let differing = |class: u8| others.iter().filter(|other| **other != class).count() as f64;
+            least(&|class| data(shape, class) + AGREE * differing(class)).0
+        };
+        let chosen: Vec<u8> = each().map(agreeing).collect();
+        each().zip(chosen).for_each(|((i, _), class)| classes[i] = class);
     }
     let mut walk = Walk::new(cloud.len());
     let mut next = first;
-    for &i in &left {
+    for &seed in &left {
+        let i = seed as usize;
         if labels[i] != NONE {
             continue;
         }
-        let region = walk.reach(cloud, &[i as u32], usize::MAX, |j| labels[j] == NONE && classes[j] == classes[i]);
+        let region = walk.reach(cloud, &[seed], usize::MAX, |j| labels[j] == NONE && classes[j] == classes[i]);
         region.iter().for_each(|&j| labels[j as usize] = next);
         if limit.holds_region(cloud, shapes, labels, &region) {
             next += 1;
