@@ -159,9 +159,10 @@ pub(super) fn kernel_products(
 impl DistanceRing {
     fn add(&mut self, rows: &SummedRows, towards: [f64; 3]) {
         self.count += 1.0;
-        for e in 0..ENTRIES {
-            self.alike.distance[e] += rows.distance[e];
-            for (t, along) in towards.iter().enumerate() {
+        // entries innermost, so that several are summed at once
+        (0..ENTRIES).for_each(|e| self.alike.distance[e] += rows.distance[e]);
+        for (t, along) in towards.into_iter().enumerate() {
+            for e in 0..ENTRIES {
                 self.alike.normal[t][e] += rows.normal[t][e];
                 self.ahead.distance[e] += along * rows.normal[t][e];
                 self.ahead.normal[t][e] -= along * rows.distance[e];
@@ -177,9 +178,9 @@ impl KernelProducts {
             let k = kernel(number);
             self.square += self.law.products() * ring.count * k * k;
             let rows = if self.law == CovarianceLaw::Ahead { &ring.ahead } else { &ring.alike };
-            for e in 0..ENTRIES {
-                around.distance[e] += k * rows.distance[e];
-                (0..3).for_each(|t| around.normal[t][e] += k * rows.normal[t][e]);
+            (0..ENTRIES).for_each(|e| around.distance[e] += k * rows.distance[e]);
+            for t in 0..3 {
+                (0..ENTRIES).for_each(|e| around.normal[t][e] += k * rows.normal[t][e]);
             }
         }
         if self.law != CovarianceLaw::Normals {

@@ -16,6 +16,7 @@ use super::neighbour_products::{
 };
 use super::tuning::PartsTuning;
 use crate::primitives::placed::MOST_UNKNOWNS;
+use palpate_numeric::draws::EffectDraws;
 use palpate_numeric::linalg::small::Square;
 
 /// The rows of one sort: their number, products of rows, and those products with C before them.
@@ -40,7 +41,8 @@ pub(super) fn with_shared_errors(
     fit: &Weighted,
     covariance: &Square<MOST_UNKNOWNS>,
 ) -> Square<MOST_UNKNOWNS> {
-    let [asked, beside] = fit.tuning.shared_asked.map(|most| evenly_among(inner, most));
+    let [asked, beside] = fit.tuning.shared_asked;
+    let (asked, beside) = (evenly_among(inner, asked), drawn_among(inner, beside));
     let rows: Vec<SummedRows> = beside.iter().map(|i| SummedRows::new(cloud, *i, fit)).collect();
     let estimate = VarianceEstimate::new(fit.tuning, (inner.len(), asked.len()), &rows, covariance);
     let products = kernel_products(cloud, &asked, (&beside, &rows), fit);
@@ -172,6 +174,17 @@ fn evenly_among(inner: &[u32], most: usize) -> Vec<usize> {
     (0..count).map(|k| inner[k * inner.len() / count] as usize).collect()
 }
 
+/// About so many of these contacts, each as likely as any other: those that lie evenly have no near neighbours among them.
+fn drawn_among(inner: &[u32], about: usize) -> Vec<usize> {
+    let (draws, share) = (EffectDraws::new(0, "shared errors"), about as f64 / inner.len() as f64);
+    let is_drawn = |k: usize| {
+        let mut at = [0.0];
+        draws.uniforms(k as u64, 0, 1, &mut at);
+        at[0] < share
+    };
+    inner.iter().enumerate().filter(|(k, _)| share >= 1.0 || is_drawn(*k)).map(|(_, i)| *i as usize).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -179,7 +192,6 @@ mod tests {
     use crate::parts::local::Noise;
     use crate::primitives::descent::Sample;
     use crate::primitives::placed::PartKind;
-    use palpate_numeric::draws::EffectDraws;
 
     /// By how much the place of a plane is less sure: errors of 0.1 are each contact's own, or those of squares of 5 by 5 contacts.
     fn of_plane(square: u32) -> f64 {
@@ -204,6 +216,15 @@ mod tests {
         let inner: Vec<u32> = (0..625).collect();
         let independent = found.covariance().unwrap();
         with_shared_errors(&cloud, &inner, &fit, &independent)[2][2] / independent[2][2]
+    }
+
+    #[test]
+    fn contacts_that_are_drawn_have_each_other_for_neighbours_as_often_as_all_have() {
+        let inner: Vec<u32> = (0..10_000).collect();
+        let drawn = drawn_among(&inner, 2500);
+        let side_by_side = drawn.windows(2).filter(|pair| pair[1] == pair[0] + 1).count();
+        assert!(drawn.len().abs_diff(2500) < 150 && side_by_side.abs_diff(625) < 100, "{} {side_by_side}", drawn.len());
+        assert_eq!(drawn_among(&inner, 10_000).len(), 10_000);
     }
 
     /// Of 25 squares the mean is known as of 25 contacts; an exponential through their steps finds most of that.
