@@ -13,6 +13,7 @@ use faer::{Mat, Side};
 use crate::contact::{ContactError, Contacts, Orientation};
 use palpate_numeric::vector::{Vector, minus};
 
+use super::neighbour_lists::NeighbourLists;
 use super::orientation::oriented_anew;
 use super::tree::Neighbours;
 
@@ -43,7 +44,9 @@ impl Contacts {
         let tree = Neighbours::new(&points);
         let upward = |n: Vector| if n[2] < 0.0 { n.map(|v| -v) } else { n };
         let normals = points.iter().map(|p| plane_normal(&tree, &points, *p).map_or([0.0, 0.0, 1.0], upward)).collect();
-        Ok(bare.with_normal_vectors(&oriented_anew(&points, normals, viewpoint).normals))
+        Ok(bare.with_normal_vectors(
+            &oriented_anew(&points, normals, viewpoint, &NeighbourLists::<NEAREST>::new(&points)).normals,
+        ))
     }
 }
 

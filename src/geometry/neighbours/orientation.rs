@@ -21,7 +21,7 @@ use palpate_numeric::statistics::median;
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, norm, scaled};
 
-use super::tree::Neighbours;
+use super::neighbour_lists::NeighbourLists;
 
 /// Neighbours of a contact in the graph.
 const NEAREST: usize = 8;
@@ -78,23 +78,43 @@ impl Oriented {
 /// Orients unit normals of a file, zero where unknown, at their points.
 pub fn oriented(points: &[Vector], normals: Vec<Vector>, viewpoint: Option<Vector>) -> Oriented {
     with_signs(points, normals, viewpoint, |normals| {
-        let mean = mean_of(normals);
-        if normals.iter().all(|n| *n == [0.0; 3] || dot(*n, mean) > AGREED * norm(mean)) {
-            return true;
-        }
-        let tree = Neighbours::new(points);
-        correct_signs(&tree, points, normals);
-        neighbours_parallel(&tree, points, normals)
+        point_one_way(normals) || made_to_agree(points, normals, &NeighbourLists::<NEAREST>::new(points))
     })
 }
 
+/// The same where neighbours are known: of each at least eight.
+pub fn oriented_among<const N: usize>(
+    points: &[Vector],
+    normals: Vec<Vector>,
+    viewpoint: Option<Vector>,
+    near: &NeighbourLists<N>,
+) -> Oriented {
+    with_signs(points, normals, viewpoint, |normals| point_one_way(normals) || made_to_agree(points, normals, near))
+}
+
 /// Orients unit normals whose signs mean nothing.
-pub fn oriented_anew(points: &[Vector], normals: Vec<Vector>, viewpoint: Option<Vector>) -> Oriented {
+pub fn oriented_anew<const N: usize>(
+    points: &[Vector],
+    normals: Vec<Vector>,
+    viewpoint: Option<Vector>,
+    near: &NeighbourLists<N>,
+) -> Oriented {
     with_signs(points, normals, viewpoint, |normals| {
-        let tree = Neighbours::new(points);
-        spread_signs(&tree, points, normals);
-        neighbours_parallel(&tree, points, normals)
+        spread_signs(points, normals, near);
+        neighbours_parallel(points, normals, near)
     })
+}
+
+/// Whether normals all lie beside their mean, so that none contradicts another.
+fn point_one_way(normals: &[Vector]) -> bool {
+    let mean = mean_of(normals);
+    normals.iter().all(|n| *n == [0.0; 3] || dot(*n, mean) > AGREED * norm(mean))
+}
+
+/// Turns normals where their neighbours say so, and says whether they are those of a surface.
+fn made_to_agree<const N: usize>(points: &[Vector], normals: &mut [Vector], near: &NeighbourLists<N>) -> bool {
+    correct_signs(points, normals, near);
+    neighbours_parallel(points, normals, near)
 }
 
 /// `correct` makes normals agree, and says whether they are those of a surface.
@@ -124,17 +144,17 @@ fn with_signs(
 }
 
 /// Turns the normals that contradict those beside them.
-fn correct_signs(tree: &Neighbours, points: &[Vector], normals: &mut [Vector]) {
-    let beside = beside(tree, points, normals);
-    let links = || beside.iter().enumerate().flat_map(|(i, near)| near.iter().map(move |&j| (i, j as usize)));
+fn correct_signs<const N: usize>(points: &[Vector], normals: &mut [Vector], near: &NeighbourLists<N>) {
+    let beside = Beside::new(points, normals, near);
+    let links = || (0..points.len()).flat_map(|i| beside.of(i).map(move |j| (i, j)));
     let against = links().filter(|&(i, j)| dot(normals[i], normals[j]) < 0.0).count();
     if against == 0 {
         return;
     }
     if against as f64 <= SLIPS * links().count() as f64 {
         let is_slip = |i: usize| {
-            let against = beside[i].iter().filter(|j| dot(normals[i], normals[**j as usize]) < 0.0).count();
-            2 * against > beside[i].len()
+            let against = beside.of(i).filter(|j| dot(normals[i], normals[*j]) < 0.0).count();
+            2 * against > beside.of(i).count()
         };
         let slips: Vec<usize> = (0..points.len()).filter(|i| is_slip(*i)).collect();
         slips.into_iter().for_each(|i| normals[i] = scaled(-1.0, normals[i]));
@@ -150,24 +170,37 @@ fn correct_signs(tree: &Neighbours, points: &[Vector], normals: &mut [Vector]) {
     }
 }
 
-/// For every contact those that lie beside it on its sheet.
-fn beside(tree: &Neighbours, points: &[Vector], normals: &[Vector]) -> Vec<Vec<u32>> {
-    let steps = threads::map(points.len(), TASK, |i| {
-        let near = tree.nearest(points[i], NEAREST + 1).into_iter().map(|(_, j)| j);
-        near.filter_map(|j| SheetStep::between(points, normals, i, j)).collect::<Vec<SheetStep>>()
-    });
-    let agreeing = steps.iter().flatten().filter(|step| step.agrees);
-    let off = median(agreeing.map(|step| step.off).collect::<Vec<f64>>()).unwrap_or(f64::INFINITY);
-    let length = median(steps.iter().flatten().map(|step| step.length).collect::<Vec<f64>>()).unwrap_or(0.0);
-    let most = OFF_THE_SHEET * off.max(TOLD_APART * length);
-    let on_the_sheet =
-        |steps: Vec<SheetStep>| steps.iter().filter(|step| step.off <= most).map(|step| step.to).collect();
-    steps.into_iter().map(on_the_sheet).collect()
+/// Which of its nearest contacts lie beside each on its sheet.
+struct Beside<'a, const N: usize> {
+    near: &'a NeighbourLists<N>,
+    /// A bit for each neighbour.
+    are: Vec<u8>,
+}
+
+impl<'a, const N: usize> Beside<'a, N> {
+    fn new(points: &[Vector], normals: &[Vector], near: &'a NeighbourLists<N>) -> Beside<'a, N> {
+        let steps = |i: usize| (0..NEAREST).map(move |k| SheetStep::between(points, normals, i, near.of(i)[k]));
+        let asked = points.len().min(ASKED);
+        let some: Vec<SheetStep> = (0..asked).flat_map(|k| steps(k * points.len() / asked)).flatten().collect();
+        let agreeing = some.iter().filter(|step| step.agrees);
+        let off = median(agreeing.map(|step| step.off).collect::<Vec<f64>>()).unwrap_or(f64::INFINITY);
+        let length = median(some.iter().map(|step| step.length).collect::<Vec<f64>>()).unwrap_or(0.0);
+        let most = OFF_THE_SHEET * off.max(TOLD_APART * length);
+        let is_beside = |step: Option<SheetStep>| u8::from(step.is_some_and(|step| step.off <= most));
+        let are = threads::map(points.len(), TASK, |i| {
+            steps(i).enumerate().fold(0, |bits, (k, step)| bits | is_beside(step) << k)
+        });
+        Beside { near, are }
+    }
+
+    fn of(&self, i: usize) -> impl Iterator<Item = usize> + use<'_, 'a, N> {
+        let near = self.near.of(i)[..NEAREST].iter().enumerate();
+        near.filter(move |(k, _)| self.are[i] >> k & 1 == 1).map(|(_, j)| *j as usize)
+    }
 }
 
 /// From a contact to one whose normal is parallel.
 struct SheetStep {
-    to: u32,
     agrees: bool,
     length: f64,
     /// How far it leaves the mean tangent plane.
@@ -181,23 +214,28 @@ impl SheetStep {
         let step = minus(points[j], points[i]);
         let mean = along(normals[i], cosine.signum(), normals[j]);
         let off = dot(step, mean).abs() / norm(mean);
-        (j != i && cosine.abs() > PARALLEL).then(|| SheetStep { to, agrees: cosine > 0.0, length: norm(step), off })
+        (j != i && cosine.abs() > PARALLEL).then(|| SheetStep { agrees: cosine > 0.0, length: norm(step), off })
     }
 }
 
 /// Contacts that hang together with one, and whether each has to be turned to agree with it; empty where it is known already.
-fn piece_from(root: usize, beside: &[Vec<u32>], normals: &[Vector], visited: &mut [bool]) -> Vec<(u32, bool)> {
+fn piece_from<const N: usize>(
+    root: usize,
+    beside: &Beside<N>,
+    normals: &[Vector],
+    visited: &mut [bool],
+) -> Vec<(u32, bool)> {
     if std::mem::replace(&mut visited[root], true) {
         return Vec::new();
     }
     let mut piece = vec![(root as u32, false)];
     let mut queue = VecDeque::from(piece.clone());
     while let Some((i, is_turned)) = queue.pop_front() {
-        for &j in &beside[i as usize] {
-            if !std::mem::replace(&mut visited[j as usize], true) {
-                let turned = is_turned != (dot(normals[i as usize], normals[j as usize]) < 0.0);
-                piece.push((j, turned));
-                queue.push_back((j, turned));
+        for j in beside.of(i as usize) {
+            if !std::mem::replace(&mut visited[j], true) {
+                let turned = is_turned != (dot(normals[i as usize], normals[j]) < 0.0);
+                piece.push((j as u32, turned));
+                queue.push_back((j as u32, turned));
             }
         }
     }
@@ -205,7 +243,7 @@ fn piece_from(root: usize, beside: &[Vec<u32>], normals: &[Vector], visited: &mu
 }
 
 /// Carries signs along the tree.
-fn spread_signs(tree: &Neighbours, points: &[Vector], normals: &mut [Vector]) {
+fn spread_signs<const N: usize>(points: &[Vector], normals: &mut [Vector], near: &NeighbourLists<N>) {
     let mut visited: Vec<bool> = normals.iter().map(|n| *n == [0.0; 3]).collect();
     for root in 0..points.len() {
         if visited[root] {
@@ -214,7 +252,7 @@ fn spread_signs(tree: &Neighbours, points: &[Vector], normals: &mut [Vector]) {
         visited[root] = true;
         // largest |cosine| first; the bits of a positive number are ordered as the number is
         let mut heap: BinaryHeap<(u64, u32, u32)> = BinaryHeap::new();
-        reach(tree, points, normals, root, &visited, &mut heap);
+        reach(near.of(root), points, normals, root, &visited, &mut heap);
         while let Some((_, from, to)) = heap.pop() {
             let (from, to) = (from as usize, to as usize);
             if visited[to] {
@@ -224,7 +262,7 @@ fn spread_signs(tree: &Neighbours, points: &[Vector], normals: &mut [Vector]) {
             if dot(carried(points, normals, from, to), normals[to]) < 0.0 {
                 normals[to] = scaled(-1.0, normals[to]);
             }
-            reach(tree, points, normals, to, &visited, &mut heap);
+            reach(near.of(to), points, normals, to, &visited, &mut heap);
         }
     }
 }
@@ -239,12 +277,12 @@ fn carried(points: &[Vector], normals: &[Vector], from: usize, to: usize) -> Vec
 
 /// Whether contacts and their nearest neighbours are parallel as on a surface. The tree's own edges are no measure of it: they are chosen
 /// for being parallel.
-fn neighbours_parallel(tree: &Neighbours, points: &[Vector], normals: &[Vector]) -> bool {
+fn neighbours_parallel<const N: usize>(points: &[Vector], normals: &[Vector], near: &NeighbourLists<N>) -> bool {
     let (known, asked) = (|i: usize| normals[i] != [0.0; 3], points.len().min(ASKED));
     let at = |k: usize| {
         let i = k * points.len() / asked;
-        let j = tree.nearest_other(i)?.1;
-        (known(i) && known(j)).then(|| dot(normals[i], normals[j]).abs())
+        let j = near.of(i)[0] as usize;
+        (i != j && known(i) && known(j)).then(|| dot(normals[i], normals[j]).abs())
     };
     let cosines: Vec<f64> = threads::map(asked, TASK, at).into_iter().flatten().collect();
     let parallel = cosines.iter().filter(|cosine| **cosine > PARALLEL).count() as f64;
@@ -253,14 +291,14 @@ fn neighbours_parallel(tree: &Neighbours, points: &[Vector], normals: &[Vector])
 }
 
 fn reach(
-    tree: &Neighbours,
+    near: &[u32],
     points: &[Vector],
     normals: &[Vector],
     from: usize,
     visited: &[bool],
     heap: &mut BinaryHeap<(u64, u32, u32)>,
 ) {
-    for (_, to) in tree.nearest(points[from], NEAREST + 1) {
+    for &to in &near[..NEAREST] {
         if !visited[to as usize] {
             let cosine = dot(carried(points, normals, from, to as usize), normals[to as usize]).abs();
             heap.push((cosine.to_bits(), from as u32, to));

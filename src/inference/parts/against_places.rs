@@ -8,23 +8,29 @@
 //!
 //! Of very many contacts some thousands are asked, evenly among all. Normals that are only poor differ from those next to them by as much as from the planes.
 
+use super::cloud::NEAREST;
 use super::estimated::plane_about;
 use super::local::asked;
 use super::tuning::PartsTuning;
-use palpate_geometry::neighbours::Neighbours;
+use palpate_geometry::neighbours::NeighbourLists;
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, dot};
 
 /// Whether these normals are not those of the surface on which the places lie.
-pub(super) fn contradict(points: &[Vector], normals: &[Vector], tuning: &PartsTuning) -> bool {
-    let (tree, asked) = (Neighbours::new(points), asked(points.len()).collect::<Vec<usize>>());
+pub(super) fn contradict(
+    points: &[Vector],
+    normals: &[Vector],
+    near: &NeighbourLists<NEAREST>,
+    tuning: &PartsTuning,
+) -> bool {
+    let asked: Vec<usize> = asked(points.len()).collect();
     let angle = |a: Vector, b: Vector| dot(a, b).abs().min(1.0).acos();
     let at = |k: usize| {
         let i = asked[k];
-        let plane = plane_about(points, &tree, i);
-        let (_, other) = tree.nearest_other(i).filter(|_| plane.sd <= tuning.flat_places * plane.along)?;
-        Some([angle(normals[i], plane.normal), angle(normals[i], normals[other])])
+        let (plane, other) = (plane_about(points, near, i), near.of(i)[0] as usize);
+        let is_flat = plane.sd <= tuning.flat_places * plane.along;
+        is_flat.then(|| [angle(normals[i], plane.normal), angle(normals[i], normals[other])])
     };
     let flat: Vec<[f64; 2]> = threads::map(asked.len(), 64, at).into_iter().flatten().collect();
     let [off, own] = [0, 1].map(|of| upper_median(flat.iter().map(|angles| angles[of]).collect::<Vec<f64>>()));

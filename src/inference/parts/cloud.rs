@@ -7,9 +7,8 @@
 //! Every length in this room is in units of s until the answer is written, so that a cloud and its copy in metres are cut alike.
 
 use palpate_geometry::contact::Rounding;
-use palpate_geometry::neighbours::{Neighbours, morton_order};
+use palpate_geometry::neighbours::{NeighbourLists, morton_order};
 use palpate_numeric::statistics::upper_median;
-use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, scaled};
 
 /// Neighbours of a point, nearest first, itself left out. Local surfaces of six unknowns take them all: with 3 rows each, a
@@ -34,7 +33,7 @@ pub(super) const FEWEST_POINTS: usize = NEAREST + 4;
 pub(super) struct Cloud {
     pub(super) points: Vec<Vector>,
     pub(super) normals: Vec<Vector>,
-    neighbours: Vec<u32>,
+    neighbours: NeighbourLists<NEAREST>,
     /// Median distance between nearest neighbours.
     pub(super) spacing: f64,
     /// What one unit here is in the input.
@@ -59,23 +58,22 @@ pub(super) fn framed(points: &[Vector]) -> Option<(Vec<Vector>, Vector, f64)> {
 impl Cloud {
     /// From points and unit normals in the input's units; `None` where all points are one.
     pub(super) fn new(points: &[Vector], normals: Vec<Vector>) -> Option<Cloud> {
-        let (points, centre, scale) = framed(points)?;
-        Cloud::beside_each_other(points, normals, centre, scale)
+        Cloud::among(points, normals, NeighbourLists::new(points))
     }
 
-    /// With neighbours, of points that are in units of their size already.
-    fn beside_each_other(points: Vec<Vector>, normals: Vec<Vector>, centre: Vector, scale: f64) -> Option<Cloud> {
-        let tree = Neighbours::new(&points);
-        let of = |i: usize| -> ([u32; NEAREST], f64) {
-            let found = tree.nearest(points[i], NEAREST + 1);
-            let others = found.iter().filter(|(_, j)| *j as usize != i);
-            let mut list = [i as u32; NEAREST];
-            list.iter_mut().zip(others.clone()).for_each(|(place, (_, j))| *place = *j);
-            (list, others.clone().next().map_or(0.0, |(d, _)| d.sqrt()))
-        };
-        let found = threads::map(points.len(), 256, of);
-        let spacing = upper_median(found.iter().map(|(_, distance)| *distance).collect::<Vec<f64>>())?;
-        let neighbours = found.into_iter().flat_map(|(list, _)| list).collect();
+    /// The same where neighbours are known.
+    pub(super) fn among(points: &[Vector], normals: Vec<Vector>, neighbours: NeighbourLists<NEAREST>) -> Option<Cloud> {
+        let (points, centre, scale) = framed(points)?;
+        Cloud::in_its_units(points, normals, neighbours, (centre, scale))
+    }
+
+    fn in_its_units(
+        points: Vec<Vector>,
+        normals: Vec<Vector>,
+        neighbours: NeighbourLists<NEAREST>,
+        (centre, scale): (Vector, f64),
+    ) -> Option<Cloud> {
+        let spacing = upper_median(neighbours.nearest_distances(&points).collect::<Vec<f64>>())?;
         Some(Cloud { points, normals, neighbours, spacing, scale, centre, rounding: Rounding::NONE })
     }
 
@@ -101,8 +99,9 @@ impl Cloud {
         }
         let order = morton_order(&self.points);
         let taken = (0..most).map(|k| order[k * self.len() / most] as usize);
-        let (points, normals) = taken.map(|i| (self.points[i], self.normals[i])).unzip();
-        let spread = Cloud::beside_each_other(points, normals, self.centre, self.scale)?;
+        let (points, normals): (Vec<Vector>, Vec<Vector>) = taken.map(|i| (self.points[i], self.normals[i])).unzip();
+        let neighbours = NeighbourLists::new(&points);
+        let spread = Cloud::in_its_units(points, normals, neighbours, (self.centre, self.scale))?;
         Some(Cloud { rounding: self.rounding, ..spread })
     }
 
@@ -118,7 +117,7 @@ impl Cloud {
 
     /// The neighbours of point `i`, nearest first.
     pub(super) fn near(&self, i: usize) -> &[u32] {
-        &self.neighbours[i * NEAREST..(i + 1) * NEAREST]
+        self.neighbours.of(i)
     }
 
     /// The nearest of them.

@@ -9,8 +9,9 @@
 //! The plane of a neighbourhood that an edge cuts is of neither face, and its scatter is large. That of a neighbour that lies wholly on one
 //! face is small: M. Kuwahara et al., *Processing of RI-angiocardiographic images* (1976) 187, took means so.
 
+use super::cloud;
 use super::tuning::PartsTuning;
-use palpate_geometry::neighbours::{NEAREST, Neighbours, oriented_anew};
+use palpate_geometry::neighbours::{NEAREST, NeighbourLists, oriented_anew};
 use palpate_numeric::linalg::small::{Square, eigen};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, scaled};
@@ -28,35 +29,37 @@ pub(super) struct NeighbourPlane {
     pub(super) along: f64,
 }
 
-/// The contacts nearest to each, and their planes.
-fn planes(points: &[Vector], tree: &Neighbours) -> (Vec<Vec<usize>>, Vec<NeighbourPlane>) {
-    let nearest = |i: usize| tree.nearest(points[i], NEAREST).into_iter().map(|(_, j)| j as usize).collect();
-    let near: Vec<Vec<usize>> = threads::map(points.len(), 256, nearest);
-    let planes = threads::map(points.len(), 256, |i| plane(points, near[i].iter().copied()));
-    (near, planes)
+/// A contact and those nearest to it.
+fn about(near: &NeighbourLists<{ cloud::NEAREST }>, i: usize) -> impl Iterator<Item = usize> + Clone {
+    let others = near.of(i)[..NEAREST - 1].iter().map(|j| *j as usize);
+    std::iter::once(i).chain(others)
 }
 
-/// The plane of the contacts nearest to one.
-pub(super) fn plane_about(points: &[Vector], tree: &Neighbours, i: usize) -> NeighbourPlane {
-    let near = tree.nearest(points[i], NEAREST);
-    plane(points, near.iter().map(|(_, j)| *j as usize))
+/// The plane of a contact and those nearest to it.
+pub(super) fn plane_about(points: &[Vector], near: &NeighbourLists<{ cloud::NEAREST }>, i: usize) -> NeighbourPlane {
+    plane(points, about(near, i))
 }
 
 /// A unit normal for each point, on one side.
-pub(super) fn estimated(points: &[Vector], viewpoint: Option<Vector>, tuning: &PartsTuning) -> Vec<Vector> {
-    let (near, planes) = planes(points, &Neighbours::new(points));
+pub(super) fn estimated(
+    points: &[Vector],
+    near: &NeighbourLists<{ cloud::NEAREST }>,
+    viewpoint: Option<Vector>,
+    tuning: &PartsTuning,
+) -> Vec<Vector> {
+    let planes = threads::map(points.len(), 256, |i| plane_about(points, near, i));
     let sharp = threads::map(points.len(), 256, |i| {
         let flat = |j: &usize| {
             let other = &planes[*j];
             let off = dot(other.normal, minus(points[i], other.middle)).abs();
             other.sd < tuning.flatter * planes[i].sd && off < tuning.near_plane * other.sd.max(ROUNDED * planes[i].sd)
         };
-        let others = near[i].iter().copied().filter(flat);
+        let others = about(near, i).filter(flat);
         let flattest = others.min_by(|a, b| planes[*a].sd.total_cmp(&planes[*b].sd).then(a.cmp(b)));
         planes[flattest.unwrap_or(i)].normal
     });
     let upward = |normal: Vector| if normal[2] < 0.0 { scaled(-1.0, normal) } else { normal };
-    let mut normals = oriented_anew(points, sharp.into_iter().map(upward).collect(), viewpoint).normals;
+    let mut normals = oriented_anew(points, sharp.into_iter().map(upward).collect(), viewpoint, near).normals;
     if let Some(eye) = viewpoint {
         // what a viewpoint sees faces it
         let turn = |(n, p): (&mut Vector, &Vector)| *n = scaled(dot(*n, minus(eye, *p)).signum(), *n);
@@ -80,7 +83,7 @@ fn plane(points: &[Vector], near: impl Iterator<Item = usize> + Clone) -> Neighb
 
 #[cfg(test)]
 mod tests {
-    use super::{PartsTuning, estimated};
+    use super::{NeighbourLists, PartsTuning, estimated};
     use crate::parts::{PartKind, Parts, PartsOptions};
     use palpate_geometry::contact::Contacts;
     use palpate_geometry::curvature::ShapeClass;
@@ -93,7 +96,8 @@ mod tests {
         let place = |k: u32| (f64::from(k % 20) * 0.5 + 0.25, f64::from(k / 20) * 0.5 + 0.13 * f64::from(k % 3));
         let top = (0..400).map(place).map(|(s, y)| [-s, y, 0.0]);
         let points: Vec<Vector> = top.chain((0..400).map(place).map(|(s, y)| [0.0, y, -s])).collect();
-        let normals = estimated(&points, Some([50.0, 5.0, 50.0]), &PartsTuning::default());
+        let near = NeighbourLists::new(&points);
+        let normals = estimated(&points, &near, Some([50.0, 5.0, 50.0]), &PartsTuning::default());
         let leaning = |normals: &[Vector], axis: usize| normals.iter().filter(|n| n[axis] < 0.99).count();
         let [top, side] = [leaning(&normals[..400], 2), leaning(&normals[400..], 0)];
         assert!(top < 20 && side < 20, "{top} and {side} of 400 lean");

@@ -16,7 +16,7 @@ use super::scale_selection::{asked, law};
 use super::sided_normals::{normals, told_side};
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::{Derivatives, Principal};
-use palpate_geometry::neighbours::Neighbours;
+use palpate_geometry::neighbours::{NeighbourLists, Neighbours};
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 use palpate_numeric::vector::Vector;
@@ -88,7 +88,7 @@ fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointS
     let mut notes = Vec::new();
     let OrderedContacts { places, normals: given, numbers } = OrderedContacts::new(contacts);
     let measured = given.is_some();
-    let sided = normals(&places, given, options, &mut notes)?;
+    let sided = normals(&places, given, &NeighbourLists::new(&places), options, &mut notes)?;
     if let Some(why) = sided.estimated {
         told_side(why, &sided.normals, options.viewpoint, &mut notes);
     }

@@ -6,6 +6,7 @@
 //! ```
 
 use palpate_geometry::contact::{Contacts, Rounding};
+use palpate_geometry::neighbours::NeighbourLists;
 
 use super::agreeing_sides::agree;
 use super::answer::{Findings, Origin};
@@ -52,12 +53,14 @@ impl Segmentation {
         }
         let (tuning, mut notes) = (&options.tuning, Vec::new());
         let OrderedContacts { places, normals: given, numbers } = OrderedContacts::new(contacts);
-        let Sided { normals, estimated, side_known } = normals(&places, given, options, &mut notes)?;
+        let near = NeighbourLists::new(&places);
+        let Sided { normals, estimated, side_known } = normals(&places, given, &near, options, &mut notes)?;
         let measured = estimated.is_none();
         if !measured && let Some(power) = volume::filled(&places, tuning) {
             return Err(PartsError::Volume { power });
         }
-        let cloud = Cloud::new(&places, normals).ok_or(PartsError::NoExtent)?.rounded(Rounding::of_contacts(contacts));
+        let cloud =
+            Cloud::among(&places, normals, near).ok_or(PartsError::NoExtent)?.rounded(Rounding::of_contacts(contacts));
         let pass = LetPass::new(&cloud, options.tolerance, !measured);
         let mut all = Surveyed::new(cloud, &pass, tuning);
         let field = all.field(tuning);

@@ -6,10 +6,11 @@
 //! ```
 
 use super::against_places::contradict;
+use super::cloud::NEAREST;
 use super::error::PartsError;
 use super::estimated;
 use super::options::PartsOptions;
-use palpate_geometry::neighbours::{Oriented, oriented};
+use palpate_geometry::neighbours::{NeighbourLists, Oriented, oriented_among};
 use palpate_numeric::vector::{Vector, dot, minus, norm, scaled};
 
 /// Unit normals on one side.
@@ -25,15 +26,18 @@ pub(super) struct Sided {
 pub(super) fn normals(
     points: &[Vector],
     given: Option<Vec<Vector>>,
+    near: &NeighbourLists<NEAREST>,
     options: &PartsOptions,
     notes: &mut Vec<String>,
 ) -> Result<Sided, PartsError> {
     let why = match given {
-        Some(normals) if contradict(points, &normals, &options.tuning) => "the file's normals contradict its places",
-        Some(normals) => return of_file(points, normals, notes),
+        Some(normals) if contradict(points, &normals, near, &options.tuning) => {
+            "the file's normals contradict its places"
+        }
+        Some(normals) => return of_file(points, normals, near, notes),
         None => "there are no normals",
     };
-    let mut normals = estimated::estimated(points, options.viewpoint, &options.tuning);
+    let mut normals = estimated::estimated(points, near, options.viewpoint, &options.tuning);
     if options.viewpoint.is_none() && points_inwards(points, &normals) {
         normals.iter_mut().for_each(|n| *n = scaled(-1.0, *n));
     }
@@ -55,8 +59,13 @@ pub(super) fn told_side(why: &str, normals: &[Vector], viewpoint: Option<Vector>
 }
 
 /// The file's own, on one side.
-fn of_file(points: &[Vector], normals: Vec<Vector>, notes: &mut Vec<String>) -> Result<Sided, PartsError> {
-    let found = oriented(points, normals, None);
+fn of_file(
+    points: &[Vector],
+    normals: Vec<Vector>,
+    near: &NeighbourLists<NEAREST>,
+    notes: &mut Vec<String>,
+) -> Result<Sided, PartsError> {
+    let found = oriented_among(points, normals, None, near);
     let undecided = found.undecided();
     let Oriented { normals, consistent, flipped: turned, .. } = found;
     if !consistent {
