@@ -35,7 +35,6 @@ mod cloud;
 mod coarser_look;
 mod correlated_likelihood;
 mod correlated_noise;
-mod correlated_noise_merge;
 mod covariance_of_unknowns;
 mod delta_method;
 mod error;

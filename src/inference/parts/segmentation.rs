@@ -22,7 +22,7 @@ use super::sheet::SheetLimit;
 use super::sided_normals::{Sided, normals, told_side};
 use super::surveyed::{LetPass, Surveyed};
 use super::tuning::PartsTuning;
-use super::{correlated_noise_merge, volume, whole};
+use super::{volume, whole};
 use crate::primitives::placed::PartKind;
 
 /// A cloud, and which part each contact is of.
@@ -179,9 +179,6 @@ impl PartsQuestion {
     fn of_spread<'a>(&self, spread: &Surveyed, field: &Field<'a>) -> (Partition, Field<'a>, Origin) {
         let (found, _, origin, share) = self.looked(&spread.field(field.tuning));
         let (mut found, field) = given_to_all(found, &spread.cloud, &field.letting_pass(share));
-        if correlated_noise_merge::absorb(&mut found, &field) {
-            found.refit(&field);
-        }
         found.drop_strips(&field);
         found.drop_strays(&field);
         (found, field, origin)
@@ -232,9 +229,6 @@ fn of_whole_or_cut<'a>(
 fn cut<'a>(field: &Field<'a>) -> (Partition, Field<'a>) {
     let (mut partition, field) = partition(field);
     let field = &field;
-    if correlated_noise_merge::absorb(&mut partition, field) {
-        partition.refit(field);
-    }
     partition.drop_waves(field);
     partition.merge_by_evidence(field);
     partition.drop_strips(field);
