@@ -1,14 +1,15 @@
 //! What a body is made of: its parts, each a plane, ball, bar, cone or ring where the contacts allow, and how they adjoin.
 //!
 //! ```text
-//! contacts -> neighbours -> surface about each contact, noise -> regions grown from the smoothest places
+//! contacts in the order of space -> neighbours -> surface about each contact, noise -> regions grown from the smoothest places
 //!          -> fit, relabel, join, until nothing changes -> one surface where errors that neighbours share explain two
 //!          -> exact primitives with u and a test -> joints
 //! energy = sum_contacts cost / 2 + (pairs of neighbours in different parts) + (unknowns) ln(rows) / 2
 //! ```
 //!
 //! A contact costs what its distance and its normal contradict the part. Boundaries lie where that sum is least, at edges
-//! and at joints that are smooth. Nothing is drawn at random, and the order, place, direction and unit of the contacts do not matter.
+//! and at joints that are smooth. The order of the contacts changes no number, since they are looked at along a curve through space; their
+//! place, direction and unit do not matter.
 //!
 //! ```
 //! # use palpate_inference::facade as palpate;
