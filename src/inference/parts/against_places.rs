@@ -6,7 +6,8 @@
 //! contradict     off > 10 degrees and off > 3 u, and most contacts are flat
 //! ```
 //!
-//! Of very many contacts some thousands are asked, evenly among all. Normals that are only poor differ from those next to them by as much as from the planes.
+//! Normals that are only poor differ from those next to them by as much as from the planes. Of very many contacts some thousands are asked,
+//! evenly among all.
 
 use super::cloud::NEAREST;
 use super::estimated::plane_about;

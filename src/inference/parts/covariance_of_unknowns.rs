@@ -5,8 +5,9 @@
 //! L L' = C,  L^-1 V_kernel L^-T = Q D Q'          V = L Q max(D, 1) Q' L'
 //! ```
 //!
-//! Pairs of contacts that were asked may leave less than nothing of a direction in which unknowns move: the kernel's products are sums
-//! over some of all pairs. The kernel follows errors whose covariance falls with the distance; cells find those that do not, as the waves of a lack of fit.
+//! The kernel follows errors whose covariance falls with the distance; cells find those that do not, as the waves of a lack of fit. The
+//! kernel's products are sums over some of all pairs of contacts, which may leave less than no variance of a direction in which the unknowns
+//! move.
 
 use super::cloud::Cloud;
 use super::evidence::Cells;
