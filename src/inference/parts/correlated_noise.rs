@@ -25,7 +25,7 @@ const WITHIN: f64 = 0.3;
 const WIDEST: usize = 40;
 
 /// Contacts of a neighbourhood that are fitted.
-const SAMPLED: usize = 60;
+const SAMPLED: usize = 150;
 
 /// The largest noise that is found at any width.
 pub(super) fn wide_noise(cloud: &Cloud, shapes: &LocalShapes, noise: &Noise) -> Noise {
