@@ -17,7 +17,7 @@
 
 use std::collections::{BinaryHeap, VecDeque};
 
-use palpate_numeric::statistics::median;
+use palpate_numeric::statistics::{ENOUGH_FOR_RANKS, evenly_among, median};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, norm, scaled};
 
@@ -48,9 +48,6 @@ const CONSISTENT: [f64; 2] = [0.5, 0.7];
 
 /// Share of the file's own signs below which a note says that they are mixed.
 const MAJORITY: f64 = 0.6;
-
-/// Contacts, evenly among all, of which such a share is known to a hundredth.
-const ASKED: usize = 8192;
 
 /// Contacts that one thread looks at.
 const TASK: usize = 256;
@@ -180,8 +177,7 @@ struct Beside<'a, const N: usize> {
 impl<'a, const N: usize> Beside<'a, N> {
     fn new(points: &[Vector], normals: &[Vector], near: &'a NeighbourLists<N>) -> Beside<'a, N> {
         let steps = |i: usize| (0..NEAREST).map(move |k| SheetStep::between(points, normals, i, near.of(i)[k]));
-        let asked = points.len().min(ASKED);
-        let some: Vec<SheetStep> = (0..asked).flat_map(|k| steps(k * points.len() / asked)).flatten().collect();
+        let some: Vec<SheetStep> = evenly_among(points.len(), ENOUGH_FOR_RANKS).flat_map(steps).flatten().collect();
         let agreeing = some.iter().filter(|step| step.agrees);
         let off = median(agreeing.map(|step| step.off).collect::<Vec<f64>>()).unwrap_or(f64::INFINITY);
         let length = median(some.iter().map(|step| step.length).collect::<Vec<f64>>()).unwrap_or(0.0);
@@ -278,13 +274,12 @@ fn carried(points: &[Vector], normals: &[Vector], from: usize, to: usize) -> Vec
 /// Whether contacts and their nearest neighbours are parallel as on a surface. The tree's own edges are no measure of it: they are chosen
 /// for being parallel.
 fn neighbours_parallel<const N: usize>(points: &[Vector], normals: &[Vector], near: &NeighbourLists<N>) -> bool {
-    let (known, asked) = (|i: usize| normals[i] != [0.0; 3], points.len().min(ASKED));
-    let at = |k: usize| {
-        let i = k * points.len() / asked;
+    let known = |i: usize| normals[i] != [0.0; 3];
+    let at = |i: usize| {
         let j = near.of(i)[0] as usize;
         (i != j && known(i) && known(j)).then(|| dot(normals[i], normals[j]).abs())
     };
-    let cosines: Vec<f64> = threads::map(asked, TASK, at).into_iter().flatten().collect();
+    let cosines: Vec<f64> = evenly_among(points.len(), ENOUGH_FOR_RANKS).filter_map(at).collect();
     let parallel = cosines.iter().filter(|cosine| **cosine > PARALLEL).count() as f64;
     let [share, mean] = CONSISTENT.map(|least| least * cosines.len() as f64);
     parallel >= share || cosines.iter().sum::<f64>() > mean

@@ -5,6 +5,7 @@
 //! ```
 
 use palpate_geometry::contact::{Frame, Rounding};
+use palpate_numeric::statistics::evenly_among;
 use palpate_numeric::vector::{Vector, dot, minus};
 
 /// Contacts in units of their own size.
@@ -73,7 +74,6 @@ impl BodySample {
 
     /// At most so many contacts, evenly among all.
     pub(crate) fn at_most(&self, most: usize) -> BodySample {
-        let count = self.len().min(most);
-        self.only(&(0..count).map(|k| k * self.len() / count).collect::<Vec<usize>>())
+        self.only(&evenly_among(self.len(), most).collect::<Vec<usize>>())
     }
 }

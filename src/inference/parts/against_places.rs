@@ -11,10 +11,9 @@
 
 use super::cloud::NEAREST;
 use super::estimated::plane_about;
-use super::local::asked;
 use super::tuning::PartsTuning;
 use palpate_geometry::neighbours::NeighbourLists;
-use palpate_numeric::statistics::upper_median;
+use palpate_numeric::statistics::{ENOUGH_FOR_RANKS, evenly_among, upper_median};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, dot};
 
@@ -25,7 +24,7 @@ pub(super) fn contradict(
     near: &NeighbourLists<NEAREST>,
     tuning: &PartsTuning,
 ) -> bool {
-    let asked: Vec<usize> = asked(points.len()).collect();
+    let asked: Vec<usize> = evenly_among(points.len(), ENOUGH_FOR_RANKS).collect();
     let angle = |a: Vector, b: Vector| dot(a, b).abs().min(1.0).acos();
     let at = |k: usize| {
         let i = asked[k];

@@ -33,16 +33,13 @@ pub(super) enum Origin {
     Free,
 }
 
-/// What the answer is made of.
-pub(super) struct Findings<'a> {
-    pub(super) cloud: &'a Cloud,
-    pub(super) shapes: &'a LocalShapes,
-    pub(super) noise: Noise,
+/// By what contacts were cut.
+pub(super) struct CutBy {
+    /// What contacts scatter by, with what is let pass.
     pub(super) coarse: Noise,
     /// What places are off by along the surface, where that turns their normals.
     pub(super) along: f64,
     pub(super) tolerance: f64,
-    pub(super) cells: &'a Cells,
     /// What the contacts of a surface scatter by.
     pub(super) limit: SheetLimit,
     /// Whether the normals are measurements.
@@ -50,6 +47,15 @@ pub(super) struct Findings<'a> {
     /// Whether something tells which side is free.
     pub(super) side_known: bool,
     pub(super) origin: Origin,
+}
+
+/// What the answer is made of.
+pub(super) struct Findings<'a> {
+    pub(super) cloud: &'a Cloud,
+    pub(super) shapes: &'a LocalShapes,
+    pub(super) noise: Noise,
+    pub(super) cells: &'a Cells,
+    pub(super) by: &'a CutBy,
     pub(super) tuning: &'a PartsTuning,
 }
 
@@ -61,17 +67,17 @@ impl Findings<'_> {
         let patches = self.regions(&mut partition.labels, exact_parts);
         let members = partition_members(&partition.labels, (exact_parts + patches) as usize);
         let begin = StartNoise {
-            coarse: self.coarse,
-            is_known: self.origin == Origin::Whole,
-            measured: self.measured,
-            along: self.along,
+            coarse: self.by.coarse,
+            is_known: self.by.origin == Origin::Whole,
+            measured: self.by.measured,
+            along: self.by.along,
             tuning: self.tuning,
         };
         let exact = threads::map(exact_parts as usize, 1, |part| {
             let inner = partition.inner(cloud, &members[part]);
             simplest(cloud, &inner, &partition.parts[part], &begin, self.cells)
         });
-        let few = few(cloud, self.measured, &members, &exact);
+        let few = few(cloud, self.by.measured, &members, &exact);
         let found = |k: usize| exact[k].map_or(partition.parts[k], |e| e.descended.primitive);
         let told = |k: usize| likely(cloud, found(k), &members[k], few[k].as_ref());
         let surface: Vec<Option<Primitive>> = (0..exact.len()).map(told).collect();
@@ -79,7 +85,7 @@ impl Findings<'_> {
             Some(Some(primitive)) => primitive.nearest(place),
             _ => (dot(minus(place, cloud.points[i]), cloud.normals[i]), cloud.normals[i]),
         };
-        let found = joints(cloud, &partition.labels, self.coarse.distance, beside);
+        let found = joints(cloud, &partition.labels, self.by.coarse.distance, beside);
         let mut joints: Vec<Joint> = found.into_iter().map(|found| with_u_of_angle(found, &exact)).collect();
         let is_free_form = is_free_form(&exact);
         let part = |(k, members): (usize, &Vec<u32>)| match (surface.get(k), few.get(k).and_then(Option::as_ref)) {
@@ -97,12 +103,12 @@ impl Findings<'_> {
 
     /// Labels regions that no primitive explains, from this number on; gives back how many there are.
     fn regions(&self, labels: &mut [u32], first: u32) -> u32 {
-        match self.origin {
+        match self.by.origin {
             Origin::Free => {
                 labels.fill(first);
                 1
             }
-            Origin::Cut | Origin::Whole => label_leftover(self.cloud, self.shapes, labels, first, &self.limit),
+            Origin::Cut | Origin::Whole => label_leftover(self.cloud, self.shapes, labels, first, &self.by.limit),
         }
     }
 
@@ -114,7 +120,7 @@ impl Findings<'_> {
         notes: Vec<String>,
     ) -> Parts {
         let other = |class: &ShapeClass| Some(class.mirrored()).filter(|other| other != class);
-        let open = parts.iter_mut().filter(|part| !self.side_known || part.other_class.is_some());
+        let open = parts.iter_mut().filter(|part| !self.by.side_known || part.other_class.is_some());
         open.for_each(|part| part.other_class = part.class.as_ref().and_then(other));
         let scale = self.cloud.scale;
         Parts {
@@ -124,7 +130,7 @@ impl Findings<'_> {
             spacing: self.cloud.spacing * scale,
             noise: self.noise.distance * scale,
             normal_noise_deg: self.noise.normal.to_degrees(),
-            tolerance: self.tolerance * scale,
+            tolerance: self.by.tolerance * scale,
             notes,
         }
     }

@@ -8,7 +8,7 @@
 
 use palpate_geometry::contact::Rounding;
 use palpate_geometry::neighbours::{NeighbourLists, morton_order};
-use palpate_numeric::statistics::upper_median;
+use palpate_numeric::statistics::{evenly_among, upper_median};
 use palpate_numeric::vector::{Vector, along, dot, minus, scaled};
 
 /// Neighbours of a point, nearest first, itself left out. Local surfaces of six unknowns take them all: with 3 rows each, a
@@ -98,7 +98,7 @@ impl Cloud {
             return None;
         }
         let order = morton_order(&self.points);
-        let taken = (0..most).map(|k| order[k * self.len() / most] as usize);
+        let taken = evenly_among(self.len(), most).map(|k| order[k] as usize);
         let (points, normals): (Vec<Vector>, Vec<Vector>) = taken.map(|i| (self.points[i], self.normals[i])).unzip();
         let neighbours = NeighbourLists::new(&points);
         let spread = Cloud::in_its_units(points, normals, neighbours, (self.centre, self.scale))?;

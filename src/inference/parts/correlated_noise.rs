@@ -1,7 +1,7 @@
 //! Errors that neighbours share: what a primitive leaves over in a neighbourhood much wider than that of a point.
 //!
 //! ```text
-//! u(m) = quantile over 48 places of the rms residual of the best primitive through the m nearest contacts        m = 40, ..., n/40
+//! u(m) = quantile over 120 places of the rms residual of the best primitive through the m nearest contacts        m = 40, ..., n/40
 //! ```
 //!
 //! Independent errors leave the same at every width. A depth camera's errors, and normals computed from positions, leave more
@@ -10,9 +10,9 @@
 
 use super::cloud::{Cloud, NEAREST};
 use super::hypothesis::{Walk, best, sampled};
-use super::local::{FACES_AWAY, LocalShapes, Noise, ROUNDING, asked};
+use super::local::{FACES_AWAY, LocalShapes, Noise, ROUNDING};
 use crate::primitives::descent::Sample;
-use palpate_numeric::statistics::{Rank, quantile};
+use palpate_numeric::statistics::{ENOUGH_FOR_RANKS, Rank, evenly_among, quantile};
 use palpate_numeric::vector::{dot, minus};
 
 /// Places that are looked at.
@@ -29,7 +29,7 @@ const SAMPLED: usize = 150;
 
 /// The largest noise that is found at any width.
 pub(super) fn wide_noise(cloud: &Cloud, shapes: &LocalShapes, noise: &Noise) -> Noise {
-    let asked: Vec<u32> = asked(cloud.len()).map(|i| i as u32).collect();
+    let asked: Vec<u32> = evenly_among(cloud.len(), ENOUGH_FOR_RANKS).map(|i| i as u32).collect();
     let variances = shapes.of(cloud, &asked).into_iter().map(|shape| shape.variance[0]);
     let mut order: Vec<(f64, u32)> = variances.zip(asked).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -15,7 +15,7 @@ use super::neighbour_products::Weighted;
 use super::shared_errors::with_shared_errors;
 use crate::primitives::normal_equations::rows;
 use crate::primitives::placed::MOST_UNKNOWNS;
-use palpate_numeric::linalg::small::{Square, cholesky, eigen};
+use palpate_numeric::linalg::small::{Square, cholesky, eigen, forward};
 
 /// Covariance of the unknowns with errors that neighbours share, by their kernel and by cells of the cloud: the larger variance counts, and
 /// none is less than that of independent errors.
@@ -48,8 +48,8 @@ fn not_below(least: &Square<MOST_UNKNOWNS>, found: &Square<MOST_UNKNOWNS>) -> Sq
     };
     let Some(lower) = cholesky(&scaled(least, 1.0)) else { return *least };
     // L^-1 V, and the same of its transpose
-    let forward = |of: &Square<MOST_UNKNOWNS>| transposed(&transposed(of).map(|column| forward(&lower, column)));
-    let (values, axes) = eigen(&forward(&transposed(&forward(&scaled(found, 0.0)))));
+    let whitened = |of: &Square<MOST_UNKNOWNS>| transposed(&transposed(of).map(|column| forward(&lower, column)));
+    let (values, axes) = eigen(&whitened(&transposed(&whitened(&scaled(found, 0.0)))));
     let directions = axes.map(|axis| lower.map(|row| row.iter().zip(axis).map(|(l, a)| l * a).sum::<f64>()));
     let sum = |i: usize, j: usize| {
         let each = values.iter().zip(&directions).map(|(value, along)| value.max(1.0) * along[i] * along[j]);
@@ -60,14 +60,6 @@ fn not_below(least: &Square<MOST_UNKNOWNS>, found: &Square<MOST_UNKNOWNS>) -> Sq
 
 fn transposed(of: &Square<MOST_UNKNOWNS>) -> Square<MOST_UNKNOWNS> {
     std::array::from_fn(|i| std::array::from_fn(|j| of[j][i]))
-}
-
-/// x of `L x = b`.
-fn forward(lower: &Square<MOST_UNKNOWNS>, mut b: [f64; MOST_UNKNOWNS]) -> [f64; MOST_UNKNOWNS] {
-    for i in 0..MOST_UNKNOWNS {
-        b[i] = (b[i] - (0..i).map(|j| lower[i][j] * b[j]).sum::<f64>()) / lower[i][i];
-    }
-    b
 }
 
 /// By how much errors that a cell's contacts share widen the variance of every unknown: through what each contact moves it by.

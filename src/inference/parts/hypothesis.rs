@@ -14,6 +14,7 @@ use super::local::Noise;
 use crate::primitives::descent::{Descended, Sample, descend_roughly, sum_of_squares};
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::primitives::starts::starts;
+use palpate_numeric::statistics::evenly_among;
 use palpate_numeric::vector::{Vector, along, dot, minus, norm};
 
 /// Cost at which a point is none of the primitive's: three squares of gaussians exceed it once in a thousand.
@@ -47,8 +48,7 @@ pub(super) struct Scored {
 
 /// Points and normals of some members, `most` at the most, evenly among them.
 pub(super) fn sampled(cloud: &Cloud, members: &[u32], most: usize) -> (Vec<Vector>, Vec<Vector>) {
-    let count = members.len().min(most);
-    let taken = (0..count).map(|k| members[k * members.len() / count] as usize);
+    let taken = evenly_among(members.len(), most).map(|k| members[k] as usize);
     taken.map(|i| (cloud.points[i], cloud.normals[i])).unzip()
 }
 

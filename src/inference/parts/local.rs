@@ -14,7 +14,7 @@ use super::cloud::{Cloud, LINKED, NEAREST};
 use palpate_geometry::contact::Rounding;
 use palpate_geometry::curvature::{Derivatives, Principal};
 use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
-use palpate_numeric::statistics::{self, Rank};
+use palpate_numeric::statistics::{self, ENOUGH_FOR_RANKS, Rank, evenly_among};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{axes_along, dot, minus};
 
@@ -92,9 +92,6 @@ struct Width {
 const WIDTHS: [Width; 2] =
     [Width { nearest: LINKED, freedom: [5.0, 15.0] }, Width { nearest: NEAREST, freedom: [16.0, 36.0] }];
 
-/// Points of which a median, such as the noise, is known well enough: to a hundredth.
-const ASKED: usize = 8192;
-
 /// The noise that most neighbourhoods show, the narrow ones and the wide ones.
 pub(super) fn noise_by_width(cloud: &Cloud) -> [Noise; 2] {
     WIDTHS.map(|width| noise_at(cloud, &width))
@@ -122,17 +119,11 @@ impl LocalShapes {
     }
 }
 
-/// So many points, or all, evenly among all.
-pub(super) fn asked(count: usize) -> impl Iterator<Item = usize> {
-    let asked = count.min(ASKED);
-    (0..asked).map(move |k| k * count / asked)
-}
-
 /// The noise that most neighbourhoods of one width show.
 fn noise_at(cloud: &Cloud, width: &Width) -> Noise {
     // the ratio of the two noises decides little: any start of the right size finds it in two rounds
     let mut noise = Noise { distance: 0.1 * cloud.spacing, normal: 0.05 };
-    let asked: Vec<usize> = asked(cloud.len()).collect();
+    let asked: Vec<usize> = evenly_among(cloud.len(), ENOUGH_FOR_RANKS).collect();
     for _ in 0..3 {
         let at = |k: usize| local_shape(cloud, asked[k], width.nearest, &noise).variance;
         let variances = threads::map(asked.len(), 64, at);

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! A contact costs what its distance and its normal contradict the part. Boundaries lie where that sum is least, at edges
-//! and at joints that are smooth. The order of the contacts changes no number, since they are looked at along a curve through space; their
-//! place, direction and unit do not matter.
+//! and at joints that are smooth. The order of the contacts changes no number, since they are looked at along a curve through space.
+//! Place and unit do not matter; in another direction that curve is another, and of many contacts others are asked where some suffice.
 //!
 //! ```
 //! # use palpate_inference::facade as palpate;

@@ -9,16 +9,14 @@ use palpate_geometry::contact::{Contacts, Rounding};
 use palpate_geometry::neighbours::NeighbourLists;
 
 use super::agreeing_sides::agree;
-use super::answer::{Findings, Origin};
+use super::answer::{CutBy, Findings, Origin};
 use super::cloud::{Cloud, FEWEST_POINTS};
 use super::error::PartsError;
-use super::local::Noise;
 use super::options::PartsOptions;
 use super::ordered_contacts::{OrderedContacts, in_input_order};
 use super::partition::{Field, NONE, Partition};
 use super::result::Parts;
 use super::settling::{given_to_all, partition};
-use super::sheet::SheetLimit;
 use super::sided_normals::{Sided, normals, told_side};
 use super::surveyed::{LetPass, Surveyed};
 use super::tuning::PartsTuning;
@@ -31,15 +29,7 @@ pub(super) struct Segmentation {
     /// The contacts' numbers in the input.
     numbers: Vec<u32>,
     partition: Partition,
-    /// What contacts scatter by, with what is let pass.
-    coarse: Noise,
-    /// What places are off by along the surface, where that turns their normals.
-    along: f64,
-    tolerance: f64,
-    limit: SheetLimit,
-    measured: bool,
-    side_known: bool,
-    origin: Origin,
+    by: CutBy,
     notes: Vec<String>,
 }
 
@@ -79,19 +69,8 @@ impl Segmentation {
             }
             None => side_known,
         };
-        Ok(Segmentation {
-            all,
-            numbers,
-            partition,
-            coarse,
-            along,
-            tolerance,
-            limit,
-            measured,
-            side_known,
-            origin,
-            notes,
-        })
+        let by = CutBy { coarse, along, tolerance, limit, measured, side_known, origin };
+        Ok(Segmentation { all, numbers, partition, by, notes })
     }
 
     /// Share of the contacts in parts of simple kinds: rings and ellipsoids follow the pieces of any smooth surface.
@@ -103,35 +82,9 @@ impl Segmentation {
 
     /// The whole answer.
     pub(super) fn parts(self, tuning: &PartsTuning) -> Parts {
-        let Segmentation {
-            all,
-            numbers,
-            partition,
-            coarse,
-            along,
-            tolerance,
-            limit,
-            measured,
-            side_known,
-            origin,
-            notes,
-        } = self;
+        let Segmentation { all, numbers, partition, by, notes } = self;
         let Surveyed { cloud, shapes, noise, cells, .. } = &all;
-        let noise = *noise;
-        let findings = Findings {
-            cloud,
-            shapes,
-            noise,
-            coarse,
-            along,
-            tolerance,
-            cells,
-            limit,
-            measured,
-            side_known,
-            origin,
-            tuning,
-        };
+        let findings = Findings { cloud, shapes, noise: *noise, cells, by: &by, tuning };
         let found = findings.parts(partition, notes);
         Parts { labels: in_input_order(&numbers, &found.labels), ..found }
     }

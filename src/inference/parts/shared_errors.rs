@@ -18,6 +18,7 @@ use super::tuning::PartsTuning;
 use crate::primitives::placed::MOST_UNKNOWNS;
 use palpate_numeric::draws::EffectDraws;
 use palpate_numeric::linalg::small::Square;
+use palpate_numeric::statistics::evenly_among;
 
 /// The rows of one sort: their number, products of rows, and those products with C before them.
 struct RowsOfASort {
@@ -42,7 +43,10 @@ pub(super) fn with_shared_errors(
     covariance: &Square<MOST_UNKNOWNS>,
 ) -> Square<MOST_UNKNOWNS> {
     let [asked, beside] = fit.tuning.shared_asked;
-    let (asked, beside) = (evenly_among(inner, asked), drawn_among(inner, beside));
+    let (asked, beside) = (
+        evenly_among(inner.len(), asked).map(|k| inner[k] as usize).collect::<Vec<usize>>(),
+        drawn_among(inner, beside),
+    );
     let rows: Vec<SummedRows> = beside.iter().map(|i| SummedRows::new(cloud, *i, fit)).collect();
     let estimate = VarianceEstimate::new(fit.tuning, (inner.len(), asked.len()), &rows, covariance);
     let products = kernel_products(cloud, &asked, (&beside, &rows), fit);
@@ -166,12 +170,6 @@ fn trace(matrix: &Square<MOST_UNKNOWNS>) -> f64 {
 
 fn trace_of_product(a: &Square<MOST_UNKNOWNS>, b: &Square<MOST_UNKNOWNS>) -> f64 {
     (0..MOST_UNKNOWNS).map(|p| (0..MOST_UNKNOWNS).map(|q| a[p][q] * b[q][p]).sum::<f64>()).sum()
-}
-
-/// At most so many of these contacts, evenly among all.
-fn evenly_among(inner: &[u32], most: usize) -> Vec<usize> {
-    let count = inner.len().min(most);
-    (0..count).map(|k| inner[k * inner.len() / count] as usize).collect()
 }
 
 /// About so many of these contacts, each as likely as any other: those that lie evenly have no near neighbours among them.

@@ -73,8 +73,8 @@ impl Surveyed {
         let [narrow, wide] = noise_by_width(&cloud);
         let shapes = LocalShapes::new(cloud.len(), wide);
         let least = Noise { distance: narrow.distance.min(wide.distance), normal: narrow.normal.min(wide.normal) };
-        let LetPass { noise: let_pass, unresolved, estimated } = *pass;
-        let turns_alike = !estimated && wide.normal > let_pass.normal.max(tuning.shared_turns * narrow.normal);
+        let LetPass { noise: let_pass, unresolved, estimated: blurred } = *pass;
+        let turns_alike = !blurred && wide.normal > let_pass.normal.max(tuning.shared_turns * narrow.normal);
         let shared = turns_alike && least.distance > let_pass.distance;
         let noise = if shared { wide } else { least };
         let spread = if shared { None } else { cloud.spread(tuning.decided_on) };
@@ -85,9 +85,9 @@ impl Surveyed {
             None => wide_noise(&cloud, &shapes, &noise),
         };
         let coarse = wide.hypot(&let_pass);
-        let floor = if estimated { Noise { normal: coarse.normal, ..wide } } else { wide };
+        let floor = if blurred { Noise { normal: coarse.normal, ..wide } } else { wide };
         let cells = Cells::new(&cloud);
-        let (pass, blurred) = (let_pass, estimated);
+        let pass = let_pass;
         Surveyed { cloud, shapes, noise, floor, coarse, pass, unresolved, cells, shared, blurred, wide, spread }
     }
 

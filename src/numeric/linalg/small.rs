@@ -36,12 +36,18 @@ pub fn cholesky<const N: usize>(matrix: &Square<N>) -> Option<Square<N>> {
     Some(lower)
 }
 
-/// `x` of `L L' x = b`.
-pub fn solve<const N: usize>(lower: &Square<N>, mut b: [f64; N]) -> [f64; N] {
+/// `x` of `L x = b`.
+pub fn forward<const N: usize>(lower: &Square<N>, mut b: [f64; N]) -> [f64; N] {
     for i in 0..N {
         let sum: f64 = (0..i).map(|k| lower[i][k] * b[k]).sum();
         b[i] = (b[i] - sum) / lower[i][i];
     }
+    b
+}
+
+/// `x` of `L L' x = b`.
+pub fn solve<const N: usize>(lower: &Square<N>, b: [f64; N]) -> [f64; N] {
+    let mut b = forward(lower, b);
     for i in (0..N).rev() {
         let sum: f64 = (i + 1..N).map(|k| lower[k][i] * b[k]).sum();
         b[i] = (b[i] - sum) / lower[i][i];

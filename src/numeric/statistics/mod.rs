@@ -10,7 +10,9 @@ mod robust;
 mod variance_component;
 
 pub use exponential::ExponentialCorrelation;
-pub use order::{Rank, median, order_statistic, quantile, upper_median, weighted_quantile};
+pub use order::{
+    ENOUGH_FOR_RANKS, Rank, evenly_among, median, order_statistic, quantile, upper_median, weighted_quantile,
+};
 pub use robust::{HUBER, Loss, MAD_TO_SD, RAYLEIGH_TO_SD, huber_weight, mad, mad_about_median};
 pub use variance_component::VarianceComponent;
 

@@ -34,6 +34,22 @@ impl Rank {
     }
 }
 
+/// Values of which the share below any one is known to a hundredth: its standard deviation is half of one over their root at most.
+pub const ENOUGH_FOR_RANKS: usize = 8192;
+
+/// `most` of the numbers below `count`, evenly among all; all of them where there are no more.
+///
+/// ```
+/// use palpate_numeric::statistics::evenly_among;
+///
+/// assert_eq!(evenly_among(10, 4).collect::<Vec<usize>>(), [0, 2, 5, 7]);
+/// assert_eq!(evenly_among(3, 4).collect::<Vec<usize>>(), [0, 1, 2]);
+/// ```
+pub fn evenly_among(count: usize, most: usize) -> impl ExactSizeIterator<Item = usize> + Clone {
+    let taken = count.min(most);
+    (0..taken).map(move |k| k * count / taken)
+}
+
 /// `x_(rank)`; `None` where there are not so many values. The values are reordered.
 pub fn order_statistic(mut values: impl AsMut<[f64]>, rank: usize) -> Option<f64> {
     let values = values.as_mut();
