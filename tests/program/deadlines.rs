@@ -99,7 +99,8 @@ fn signalled(
     let mut child = start(here, line);
     let began = Instant::now();
     while !is_time(began.elapsed()) {
-        std::thread::sleep(Duration::from_millis(5));
+        // short against every stage of the work, so that the gap between two stages is met, too
+        std::thread::sleep(Duration::from_micros(200));
         assert!(child.try_wait().unwrap().is_none(), "{line} ended by itself within {:?}", began.elapsed());
     }
     assert!(std::process::Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());

@@ -47,8 +47,13 @@ pub(super) fn parts(args: &PartsArgs) -> Result<(), Failure> {
     let options = PartsOptions { tolerance: args.tolerance, viewpoint: taken.viewpoint, ..PartsOptions::default() };
     if let Some((path, format)) = format {
         let found = in_time(&taken, &options, PointShapes::of, "the shape of every point was known; nothing is kept")?;
+        let is_all = args.output.out.is_none() && !args.output.json && known.is_empty();
+        if !is_all {
+            // an interrupt that comes between this file and the search for parts still says that the file is kept
+            interrupt::gently();
+        }
         write_atomically(path, &mut |out| write_point_shapes(&taken.contacts, &found, format, out))?;
-        if args.output.out.is_none() && !args.output.json && known.is_empty() {
+        if is_all {
             drop(spinner);
             return summary(args, &taken, &found);
         }
