@@ -101,14 +101,20 @@ impl Found {
         self.full = self.k + self.k / 2;
     }
 
-    fn sorted(mut self) -> Vec<Near> {
-        if self.k > FEW_NEIGHBOURS {
-            if self.near.len() > self.k {
-                self.pick();
-            }
-            self.near.sort_unstable_by(in_order);
+    fn unordered(mut self) -> Vec<Near> {
+        if self.near.len() > self.k {
+            self.pick();
         }
         self.near
+    }
+
+    fn sorted(self) -> Vec<Near> {
+        let is_in_order = self.k <= FEW_NEIGHBOURS;
+        let mut near = self.unordered();
+        if !is_in_order {
+            near.sort_unstable_by(in_order);
+        }
+        near
     }
 }
 
@@ -145,6 +151,16 @@ impl<'a> Neighbours<'a> {
         let mut found = Found::new(k);
         self.visit(place, (0, 0, self.leaves.len()), [0.0; 3], &mut found);
         found.sorted()
+    }
+
+    /// The same in no order, which saves sorting many: where the tree is the same, so is this.
+    pub fn nearest_unordered(&self, place: Vector, k: usize) -> Vec<Near> {
+        if k == 0 {
+            return Vec::new();
+        }
+        let mut found = Found::new(k);
+        self.visit(place, (0, 0, self.leaves.len()), [0.0; 3], &mut found);
+        found.unordered()
     }
 
     /// A point by its number.

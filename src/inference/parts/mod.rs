@@ -49,6 +49,7 @@ mod free_form;
 mod growth;
 mod hypothesis;
 mod jet;
+mod jet_neighbourhood;
 mod joining;
 mod joint_angle;
 mod joints;

@@ -5,21 +5,33 @@
 //! u(S)^2, u(R)^2 by the delta method + what equal curvatures (S) and flatness (R) add at second order
 //! ```
 //!
-//! Points are taken one by one from one tree: memory and time grow with their number, and no result depends on another's.
+//! Points are taken along a curve through space. Where neighbourhoods are wide beside the distances of points, the jet of one is nearly as
+//! good at those next to it, and serves them; which these are depends on the places alone.
+
+use std::ops::Range;
 
 use super::cloud::{FEWEST_POINTS, framed};
 use super::error::PartsError;
-use super::jet::{Jet, Law, Touched, jet};
+use super::jet::{Jet, JetDerivatives, Law};
+use super::jet_neighbourhood::{Near, Neighbourhood, Touched};
 use super::options::PartsOptions;
 use super::ordered_contacts::{OrderedContacts, in_input_order};
 use super::scale_selection::{asked, law};
 use super::sided_normals::{normals, told_side};
+use super::tuning::PartsTuning;
+
 use palpate_geometry::contact::Contacts;
 use palpate_geometry::curvature::{Derivatives, Principal};
 use palpate_geometry::neighbours::{NeighbourLists, Neighbours};
 use palpate_numeric::statistics::upper_median;
 use palpate_numeric::threads;
 use palpate_numeric::vector::Vector;
+
+/// Points along the curve whose jets may serve each other.
+const BLOCK: usize = 512;
+
+/// Weight of a neighbour that is on the same side of the body, and no farther than that.
+const FULL: f64 = 0.9;
 
 /// Shape at each input point, in the order and unit of the input; what a point's neighbours leave open is not a number.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -96,11 +108,14 @@ fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointS
     let (points, _, scale) = framed(&places).ok_or(PartsError::NoExtent)?;
     let tree = Neighbours::new(&points);
     let touched = Touched { points: &points, normals: &normals, tree: &tree, measured };
-    let asked = asked(&touched);
+    let asked = asked(&touched, options.tuning.jet_asked);
     let nearest = asked.iter().filter_map(|&i| tree.nearest_other(i)).map(|(distance, _)| distance);
     let spacing = upper_median(nearest.collect::<Vec<f64>>()).unwrap_or(0.0);
-    let law = law(&touched, &asked, spacing).filter(|_| spacing > 0.0).ok_or(PartsError::NoExtent)?;
-    let all = threads::map(points.len(), 64, |i| at(&touched, i, &law));
+    let law = law(&touched, &asked, spacing, &options.tuning).filter(|_| spacing > 0.0).ok_or(PartsError::NoExtent)?;
+    let blocks = threads::map(points.len().div_ceil(BLOCK), 1, |b| {
+        in_block(&touched, b * BLOCK..points.len().min((b + 1) * BLOCK), &law, &options.tuning)
+    });
+    let all: Vec<PointShape> = blocks.into_iter().flatten().collect();
     let mut shapes = gathered(&in_input_order(&numbers, &all), scale);
     let open = shapes.curvedness.iter().filter(|r| r.is_nan()).count();
     if open > 0 {
@@ -112,28 +127,57 @@ fn shape_at_points(contacts: &Contacts, options: &PartsOptions) -> Result<PointS
     Ok(shapes)
 }
 
-fn at(touched: &Touched, i: usize, law: &Law) -> PointShape {
-    let open = (touched.normals[i], [f64::NAN; 6]);
-    let Some(jet) = jet(touched, i, law) else { return open };
-    let [_, zx, zy, xx, xy, yy] = jet.low;
-    let Some(principal) = Derivatives::of_height(zx, zy, xx, xy, yy).principal() else { return open };
-    let [u_s, u_r] = uncertainties(&jet, &principal, law);
+/// Points next to each other along the curve, of which one jet may serve several.
+fn in_block(touched: &Touched, points: Range<usize>, law: &Law, tuning: &PartsTuning) -> Vec<PointShape> {
+    let mut known: Vec<Option<PointShape>> = vec![None; points.len()];
+    for i in points.clone() {
+        if known[i - points.start].is_some() {
+            continue;
+        }
+        let open = (touched.normals[i], [f64::NAN; 6]);
+        let near = Neighbourhood::of(touched, i, law.size);
+        let Some((near, jet)) = near.and_then(|near| near.jet(law).map(|jet| (near, jet))) else {
+            known[i - points.start] = Some(open);
+            continue;
+        };
+        known[i - points.start] = Some(shape(&jet, [0.0; 2], law).unwrap_or(open));
+        for one in near.near.iter().filter(|one| points.contains(&(one.number as usize))) {
+            let place = &mut known[one.number as usize - points.start];
+            if place.is_none() && serves(&jet, one, tuning) {
+                *place = shape(&jet, one.place, law);
+            }
+        }
+    }
+    known.into_iter().flatten().collect()
+}
+
+/// Whether the jet of another point holds at this neighbour of it: near its middle, and where what it leaves out is little beside noise.
+fn serves(jet: &Jet, near: &Near, tuning: &PartsTuning) -> bool {
+    let [x, y] = near.place;
+    let more = jet.left_out(near.place).powi(2) - jet.left_out([0.0; 2]).powi(2);
+    x.hypot(y) <= tuning.jet_serves && near.share >= FULL && more <= tuning.jet_serves_misfit * jet.variance_of_second()
+}
+
+/// What a jet says of a place in its axes; `None` where curvatures are no numbers.
+fn shape(jet: &Jet, place: [f64; 2], law: &Law) -> Option<PointShape> {
+    let at = jet.at(place);
+    let ([zx, zy], [xx, xy, yy]) = (at.slopes, at.second);
+    let principal = Derivatives::of_height(zx, zy, xx, xy, yy).principal()?;
+    let [u_s, u_r] = uncertainties(&at, &principal, growth(jet, law));
     let normal = [0, 1, 2].map(|k| (0..3).map(|a| jet.axes[a][k] * principal.normal[a]).sum::<f64>());
     let s = principal.shape_index().unwrap_or(f64::NAN);
-    (normal, [principal.k1, principal.k2, s, principal.curvedness(), u_s, u_r])
+    Some((normal, [principal.k1, principal.k2, s, principal.curvedness(), u_s, u_r]))
 }
 
 /// Of S and of R.
-fn uncertainties(jet: &Jet, principal: &Principal, law: &Law) -> [f64; 2] {
+fn uncertainties(at: &JetDerivatives, principal: &Principal, growth: f64) -> [f64; 2] {
     let (one, two) = (principal.direction1, principal.direction2);
     let along = |a: Vector, b: Vector| [a[0] * b[0], a[0] * b[1] + a[1] * b[0], a[1] * b[1]];
     let (first, across, second) = (along(one, one), along(one, two), along(two, two));
-    let growth = growth(jet, law);
     let variance = |p: f64, q: f64, r: f64| {
         let row: [f64; 3] = std::array::from_fn(|k| p * first[k] + q * across[k] + r * second[k]);
-        let sum =
-            (0..3).map(|i| row[i] * (0..3).map(|j| jet.covariance[i + 3][j + 3] * row[j]).sum::<f64>()).sum::<f64>();
-        let open = jet.sixth * jet.sixth * (p * p + q * q / 2.0 + r * r);
+        let sum = (0..3).map(|i| row[i] * (0..3).map(|j| at.covariance[i][j] * row[j]).sum::<f64>()).sum::<f64>();
+        let open = at.left_out * at.left_out * (p * p + q * q / 2.0 + r * r);
         growth * sum.max(0.0) + open
     };
     let (k1, k2) = (principal.k1, principal.k2);
@@ -174,5 +218,54 @@ fn gathered(all: &[PointShape], scale: f64) -> PointShapes {
         u_shape_index: column(4, 1.0),
         u_curvedness: column(5, per_length),
         ..PointShapes::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of a ring of radii 3 and 1 off by `noise` across it, and the true R.
+    fn ring(noise: f64) -> (Contacts, Vec<f64>) {
+        let mut state = 1u64;
+        let mut draw = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut at = |k: usize| {
+            let (u, v) = (((k % 180) as f64 + 0.3 * draw()) / 180.0, ((k / 180) as f64 + 0.3 * draw()) / 60.0);
+            let [(sin, cos), (up, out)] = [u, v].map(|turns| (std::f64::consts::TAU * turns).sin_cos());
+            let off = 1.0 + noise * (0..3).map(|_| 2.0 * draw() - 1.0).sum::<f64>();
+            let curvatures = [1.0, out / (3.0 + out)];
+            let r = (curvatures.iter().map(|k| k * k).sum::<f64>() / 2.0).sqrt();
+            ([(3.0 + off * out) * cos, (3.0 + off * out) * sin, off * up], r)
+        };
+        let (points, truth): (Vec<Vector>, Vec<f64>) = (0..10_800).map(&mut at).unzip();
+        (Contacts::from_points(&points), truth)
+    }
+
+    fn shapes(contacts: &Contacts, jet_serves: f64) -> PointShapes {
+        let tuning = PartsTuning { jet_serves, ..PartsTuning::default() };
+        PointShapes::of(contacts, &PartsOptions { tuning, ..PartsOptions::default() }).unwrap()
+    }
+
+    #[test]
+    fn a_jet_serves_its_neighbours_where_noise_is_all_that_it_errs_by() {
+        let (contacts, truth) = ring(0.015);
+        let rms = |found: &PointShapes| {
+            let squares = found.curvedness.iter().zip(&truth).map(|(r, truth)| (r - truth).powi(2));
+            (squares.sum::<f64>() / truth.len() as f64).sqrt()
+        };
+        let [own, served] = [0.0, PartsTuning::default().jet_serves].map(|serves| shapes(&contacts, serves));
+        let of_another = own.curvedness.iter().zip(&served.curvedness).filter(|(a, b)| a != b).count();
+        assert!(5 * of_another > truth.len(), "{of_another}");
+        assert!(rms(&served) < 1.05 * rms(&own), "{} for {}", rms(&served), rms(&own));
+        let held =
+            (0..truth.len()).filter(|i| (served.curvedness[*i] - truth[*i]).abs() < 2.0 * served.u_curvedness[*i]);
+        assert!(held.count() as f64 > 0.93 * truth.len() as f64);
+        // without noise what a jet leaves out is more than what it errs by, and points far from its middle have their own
+        let (exact, _) = ring(0.0);
+        let [own, served] = [0.0, PartsTuning::default().jet_serves].map(|serves| shapes(&exact, serves));
+        assert_eq!(own.curvedness, served.curvedness);
     }
 }

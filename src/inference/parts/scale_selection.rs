@@ -2,30 +2,26 @@
 //! larger one as long as it misfits no more and knows the curvature better.
 //!
 //! ```text
-//! 24, 48, 96, 192 neighbours        noise(size) <= 1.1 noise(before)        median u(k)^2 least
-//! noise, bend: fixed point of the jets of at most 1024 points, every m-th by distance from the centre
+//! sizes of `PartsTuning::jet_sizes`        noise(size) <= jet_misfit noise(before)        median u(k)^2 least
+//! noise, bend: fixed point of the jets of at most `jet_asked` points, every m-th by distance from the centre
 //! ```
 //!
 //! This is O. V. Lepskii's comparison of bandwidths (*Theory of Probability and its Applications* 35, 1991) with one answer for the
 //! cloud, so that it does not jump from point to point; within a neighbourhood, the prior of the jet weighs bend against noise.
 
-use super::jet::{Jet, Law, Touched, jet};
+use super::jet::{Jet, Law};
+use super::jet_neighbourhood::{Neighbourhood, Touched};
 use super::local::{Noise, ROUNDING};
+use super::tuning::PartsTuning;
 use palpate_numeric::statistics::{self, Rank};
 use palpate_numeric::threads;
 use palpate_numeric::vector::dot;
 
-/// Neighbours: the first leaves a few degrees of freedom to heights alone.
-const SIZES: [usize; 4] = [24, 48, 96, 192];
-
-/// Points that are asked. Noise and bend are then known to some 3 %, which moves no answer by a tenth of its u.
-const ASKED: usize = 1024;
-
-/// Rounds of the fixed point. It starts from bends that bind nothing, and halves what is wrong in each.
+/// Rounds of the fixed point at most. It starts from bends that bind nothing, and halves what is wrong in each.
 const ROUNDS: usize = 6;
 
-/// Misfit over that of the size before, beyond which the neighbourhood reaches too far.
-const MISFIT: f64 = 1.1;
+/// Share of a noise by which it moves in the last round: less than what the number of points leaves open.
+const SETTLED: f64 = 0.01;
 
 /// The quantile that is thought to lie away from edges, and the same of a gaussian.
 const SMOOTH: (f64, f64) = (0.3, -0.5244);
@@ -34,23 +30,25 @@ const SMOOTH: (f64, f64) = (0.3, -0.5244);
 const FLAT: f64 = 1e-12;
 
 /// Points that are asked, in an order which neither rotation nor numbering changes, unless distances are equal.
-pub(super) fn asked(touched: &Touched) -> Vec<usize> {
+pub(super) fn asked(touched: &Touched, at_most: usize) -> Vec<usize> {
     let count = touched.points.len();
     let mut order: Vec<(f64, usize)> = (0..count).map(|i| (dot(touched.points[i], touched.points[i]), i)).collect();
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let step = count.div_ceil(ASKED);
+    let step = count.div_ceil(at_most.max(1));
     order.into_iter().step_by(step).map(|(_, i)| i).collect()
 }
 
 /// The law of the size that knows curvature best; `None` where no point has a jet.
-pub(super) fn law(touched: &Touched, asked: &[usize], spacing: f64) -> Option<Law> {
+pub(super) fn law(touched: &Touched, asked: &[usize], spacing: f64, tuning: &PartsTuning) -> Option<Law> {
     let mut best: Option<(f64, Law)> = None;
-    for size in SIZES.into_iter().filter(|size| *size == SIZES[0] || size + 1 < touched.points.len() / 4) {
+    let least = tuning.jet_sizes[0];
+    for size in tuning.jet_sizes.into_iter().filter(|size| *size == least || size + 1 < touched.points.len() / 4) {
         let Some((score, law)) = settled(touched, asked, spacing, size) else { break };
         let misfits = best.is_some_and(|(_, last)| {
-            law.noise.distance > MISFIT * last.noise.distance || law.noise.normal > MISFIT * last.noise.normal
+            let grows = |of: fn(&Noise) -> f64| of(&law.noise) > tuning.jet_misfit * of(&last.noise);
+            grows(|noise| noise.distance) || grows(|noise| noise.normal)
         });
-        if misfits || best.is_some_and(|(least, _)| score >= least) {
+        if misfits || best.is_some_and(|(best, _)| score >= best) {
             break;
         }
         best = Some((score, law));
@@ -63,25 +61,54 @@ fn settled(touched: &Touched, asked: &[usize], spacing: f64, size: usize) -> Opt
     let reach = spacing * (size as f64 / std::f64::consts::PI).sqrt();
     let noise = Noise { distance: 0.1 * spacing, normal: 0.05 };
     let mut law = Law { size, noise, bend: [reach.powi(-4), reach.powi(-6)] };
+    // the same neighbours in every round: noises and bends alone are others
+    let near: Vec<Neighbourhood> =
+        threads::map(asked.len(), 16, |k| Neighbourhood::of(touched, asked[k], size)).into_iter().flatten().collect();
     let mut score = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let jets: Vec<Jet> =
-            threads::map(asked.len(), 16, |k| jet(touched, asked[k], &law)).into_iter().flatten().collect();
-        if jets.is_empty() {
+        let shown = |k: usize| near[k].jet(&law).map(|jet| Shown::by(&jet));
+        let shown: Vec<Shown> = threads::map(near.len(), 16, shown).into_iter().flatten().collect();
+        if shown.is_empty() {
             return None;
         }
-        law.noise = Noise { distance: noise_of(&jets, 0), normal: noise_of(&jets, 1) };
-        law.bend = [0, 1].map(|k| quantile(jets.iter().map(|j| j.bend[k]), 0.5).max(FLAT));
-        score = quantile(jets.iter().map(|j| (3..6).map(|k| j.covariance[k][k]).sum()), 0.5);
+        let last = law;
+        law.noise = Noise { distance: noise_of(&shown, 0), normal: noise_of(&shown, 1) };
+        law.bend = [0, 1].map(|k| quantile(shown.iter().map(|of| of.bend[k]), 0.5).max(FLAT));
+        score = quantile(shown.iter().map(|of| of.score), 0.5);
+        if is_settled(&last, &law) {
+            break;
+        }
     }
     Some((score, law))
 }
 
+/// What a jet shows of the cloud.
+struct Shown {
+    variance: [f64; 2],
+    freedom: [f64; 2],
+    bend: [f64; 2],
+    score: f64,
+}
+
+impl Shown {
+    fn by(jet: &Jet) -> Shown {
+        Shown { variance: jet.variance, freedom: jet.freedom, bend: jet.bend, score: jet.variance_of_second() }
+    }
+}
+
+/// Whether a round moved neither noise, nor the sd of a third or a fourth derivative, by more than a share of it.
+fn is_settled(last: &Law, law: &Law) -> bool {
+    let near = |old: f64, new: f64| (new - old).abs() <= SETTLED * new;
+    let roots = |law: &Law| law.bend.map(f64::sqrt);
+    let bends = roots(last).into_iter().zip(roots(law)).all(|(old, new)| near(old, new));
+    bends && near(last.noise.distance, law.noise.distance) && near(last.noise.normal, law.noise.normal)
+}
+
 /// Wilson and Hilferty's quantile of a mean of so many squares.
-fn noise_of(jets: &[Jet], block: usize) -> f64 {
+fn noise_of(shown: &[Shown], block: usize) -> f64 {
     let (share, gaussian) = SMOOTH;
-    let value = quantile(jets.iter().map(|j| j.variance[block]), share);
-    let freedom = quantile(jets.iter().map(|j| j.freedom[block]), 0.5);
+    let value = quantile(shown.iter().map(|of| of.variance[block]), share);
+    let freedom = quantile(shown.iter().map(|of| of.freedom[block]), 0.5);
     let ninth = 2.0 / (9.0 * freedom);
     (value / (1.0 - ninth + gaussian * ninth.sqrt()).max(0.1).powi(3)).sqrt().max(ROUNDING)
 }

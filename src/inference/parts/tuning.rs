@@ -93,6 +93,18 @@ pub struct PartsTuning {
     pub merged_ranges: [f64; 4],
     /// Variances of these errors over that of a cell's own mean.
     pub merged_shares: [f64; 5],
+    /// Neighbours that the surface about a point of `PointShapes` is fitted to, the fewest first: these leave a few degrees of freedom to
+    /// heights alone.
+    pub jet_sizes: [usize; 4],
+    /// Misfit of the next larger neighbourhoods over that of these, beyond which they reach too far.
+    pub jet_misfit: f64,
+    /// Points whose neighbourhoods are asked for that: noise and bend are then known to some 3 %, which moves no answer by a tenth of its u.
+    pub jet_asked: usize,
+    /// Distance from a point up to which its surface tells S and R of others, over that of its farthest neighbour. A surface is known nearly
+    /// as well there as in its middle. With a half, errors of S grow by up to a tenth, for a tenth of the time.
+    pub jet_serves: f64,
+    /// Variance that orders which the surface lacks add there, over that of noise: a tenth of it lengthens u by a twentieth.
+    pub jet_serves_misfit: f64,
 }
 
 impl Default for PartsTuning {
@@ -130,6 +142,11 @@ impl Default for PartsTuning {
             merged_scatter: 3.0,
             merged_ranges: [1.0, 2.0, 4.0, 8.0],
             merged_shares: [0.25, 1.0, 4.0, 16.0, 64.0],
+            jet_sizes: [24, 48, 96, 192],
+            jet_misfit: 1.1,
+            jet_asked: 1024,
+            jet_serves: 0.25,
+            jet_serves_misfit: 0.1,
         }
     }
 }
