@@ -1,12 +1,25 @@
 //! The nearest neighbours of every point, found once for all that asks for them.
+//!
+//! ```text
+//! leaf of the tree, p its middle point, r the distance of p from its N-th neighbour
+//! the N neighbours of another point q of the leaf are within r + |q - p| of q, and so within r + 2 |q - p| of p
+//! ```
+//!
+//! So one search about the middle finds what all points of a leaf choose from.
 
 use palpate_numeric::threads;
-use palpate_numeric::vector::{Vector, minus, norm};
+use palpate_numeric::vector::{Vector, along, dot, minus, norm};
 
-use super::tree::Neighbours;
+use super::tree::{Near, Neighbours, in_order};
 
-/// Points that one thread looks at.
-const TASK: usize = 256;
+/// Leaves that one thread looks at.
+const TASK: usize = 32;
+
+/// Leaves after which what was found is put in its place, so that it is not held twice.
+const ROUND: usize = 4096;
+
+/// Distances are rounded by less than this share.
+const ROUNDING: f64 = 1.0 + 1e-12;
 
 /// Of every point the `N` nearest others, nearest first. Where there are fewer, a point is its own last neighbours.
 #[derive(Clone, Debug)]
@@ -15,17 +28,15 @@ pub struct NeighbourLists<const N: usize> {
 }
 
 impl<const N: usize> NeighbourLists<N> {
-    /// One query of a tree for each point.
+    /// By a tree of the points.
     pub fn new(points: &[Vector]) -> NeighbourLists<N> {
         let tree = Neighbours::new(points);
-        let of = |i: usize| -> [u32; N] {
-            let found = tree.nearest(points[i], N + 1);
-            let others = found.iter().map(|(_, j)| *j).filter(|j| *j as usize != i);
-            let mut list = [i as u32; N];
-            list.iter_mut().zip(others).for_each(|(place, j)| *place = j);
-            list
-        };
-        NeighbourLists { lists: threads::map(points.len(), TASK, of) }
+        let mut lists = vec![[0; N]; points.len()];
+        for leaves in tree.leaves().chunks(ROUND) {
+            let found = threads::map(leaves.len(), TASK, |leaf| of_leaf(&tree, leaves[leaf]));
+            found.into_iter().flatten().for_each(|(number, list)| lists[number as usize] = list);
+        }
+        NeighbourLists { lists }
     }
 
     /// The neighbours of point `i`.
@@ -37,6 +48,45 @@ impl<const N: usize> NeighbourLists<N> {
     pub fn nearest_distances<'a>(&'a self, points: &'a [Vector]) -> impl Iterator<Item = f64> + 'a {
         self.lists.iter().zip(points).map(|(list, p)| norm(minus(points[list[0] as usize], *p)))
     }
+}
+
+/// The lists of the points of one leaf.
+fn of_leaf<const N: usize>(tree: &Neighbours, leaf: &[(Vector, u32)]) -> Vec<(u32, [u32; N])> {
+    let mean = leaf.iter().fold([0.0; 3], |sum, (p, _)| along(sum, 1.0 / leaf.len() as f64, *p));
+    let distance = |p: Vector, q: Vector| norm(minus(p, q));
+    let Some((middle, _)) = leaf.iter().min_by(|a, b| distance(a.0, mean).total_cmp(&distance(b.0, mean))) else {
+        return Vec::new();
+    };
+    let about = tree.nearest(*middle, N + 1);
+    let reach = about.last().map_or(0.0, |(square, _)| square.sqrt());
+    let spread = leaf.iter().map(|(p, _)| distance(*p, *middle)).fold(0.0, f64::max);
+    // a leaf that is wide beside its neighbourhoods, as where few lie far apart, has little in common
+    if about.len() <= N || spread.is_nan() || spread > reach {
+        return leaf.iter().map(|(p, number)| (*number, others(*number, &tree.nearest(*p, N + 1)))).collect();
+    }
+    let candidates = tree.within(*middle, (reach + 2.0 * spread) * ROUNDING);
+    let mut near = Vec::with_capacity(candidates.len());
+    let of = |(place, number): &(Vector, u32)| {
+        let farthest = ((reach + distance(*place, *middle)) * ROUNDING).powi(2);
+        near.clear();
+        near.extend(candidates.iter().filter_map(|(p, j)| {
+            let offset = minus(*p, *place);
+            let square = dot(offset, offset);
+            (square <= farthest).then_some((square, *j))
+        }));
+        near.select_nth_unstable_by(N, in_order);
+        near.truncate(N + 1);
+        near.sort_unstable_by(in_order);
+        (*number, others(*number, &near))
+    };
+    leaf.iter().map(of).collect()
+}
+
+/// The first neighbours that are not the point itself.
+fn others<const N: usize>(number: u32, near: &[Near]) -> [u32; N] {
+    let mut list = [number; N];
+    list.iter_mut().zip(near.iter().map(|(_, j)| *j).filter(|j| *j != number)).for_each(|(place, j)| *place = j);
+    list
 }
 
 #[cfg(test)]
@@ -51,5 +101,22 @@ mod tests {
         assert_eq!(lists.nearest_distances(&points).collect::<Vec<f64>>(), [0.0, 1.0, 0.0, 2.0]);
         let alone = NeighbourLists::<2>::new(&points[..1]);
         assert_eq!((alone.of(0), alone.nearest_distances(&points[..1]).next()), (&[0, 0][..], Some(0.0)));
+    }
+
+    /// Places that tie, copies, dense lines, a patch, and one place far from all others.
+    #[test]
+    fn the_lists_are_those_of_a_search_for_each_point() {
+        let of = |i: usize| match i % 5 {
+            0 => [(i % 30) as f64, (i / 150) as f64, 0.0],
+            1 => [(i as f64 * 0.754_877).fract(), (i as f64 * 0.569_840).fract(), 0.0],
+            2 => [40.0, i as f64 * 1e-3, 1.0],
+            3 => [(i % 7) as f64, 2.0, (i % 3) as f64],
+            _ => [(i as f64 * 0.37).sin(), (i as f64 * 1.71).cos(), (i as f64 * 0.11).sin() * 3.0],
+        };
+        let points: Vec<Vector> = (0..4000).map(of).chain([[1e6, 0.0, -3.0]]).collect();
+        let (tree, lists) = (Neighbours::new(&points), NeighbourLists::<20>::new(&points));
+        for (i, p) in points.iter().enumerate() {
+            assert_eq!(*lists.of(i), others::<20>(i as u32, &tree.nearest(*p, 21)), "point {i}");
+        }
     }
 }

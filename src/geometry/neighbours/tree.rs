@@ -43,7 +43,7 @@ fn next(axis: usize) -> usize {
 }
 
 /// A neighbour: squared distance and number.
-type Near = (f64, u32);
+pub(super) type Near = (f64, u32);
 
 /// Up to so many neighbours are kept in order while they are found; of more, moving the rest at every find costs more than
 /// picking the nearest from a buffer now and then.
@@ -118,7 +118,7 @@ impl Found {
     }
 }
 
-fn in_order(a: &Near, b: &Near) -> std::cmp::Ordering {
+pub(super) fn in_order(a: &Near, b: &Near) -> std::cmp::Ordering {
     a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
 }
 
@@ -163,6 +163,49 @@ impl<'a> Neighbours<'a> {
         found.unordered()
     }
 
+    /// Points with their numbers, leaf by leaf.
+    pub(super) fn leaves(&self) -> Vec<&[(Vector, u32)]> {
+        let mut found = Vec::with_capacity(self.cuts.len() + 1);
+        let mut nodes = vec![(0, 0, self.leaves.len())];
+        while let Some((node, lo, hi)) = nodes.pop() {
+            if node >= self.cuts.len() {
+                found.push(&self.leaves[lo..hi]);
+                continue;
+            }
+            let [lower, upper] = halves(node, lo, hi);
+            nodes.extend([upper, lower]);
+        }
+        found
+    }
+
+    /// All points up to so far from a place, in no order.
+    pub(super) fn within(&self, place: Vector, distance: f64) -> Vec<(Vector, u32)> {
+        let most = distance * distance;
+        let mut found = Vec::new();
+        let mut nodes = vec![((0, 0, self.leaves.len()), [0.0; 3])];
+        while let Some(((node, lo, hi), away)) = nodes.pop() {
+            if node >= self.cuts.len() {
+                let near = |(point, _): &&(Vector, u32)| {
+                    let offset = minus(*point, place);
+                    dot(offset, offset) <= most
+                };
+                found.extend(self.leaves[lo..hi].iter().filter(near));
+                continue;
+            }
+            let Halving { axis, gap, .. } = self.cuts[node];
+            let axis = usize::from(axis);
+            let beyond = [(place[axis] - gap[0]).max(0.0), (gap[1] - place[axis]).max(0.0)];
+            for (half, beyond) in halves(node, lo, hi).into_iter().zip(beyond) {
+                let mut across = away;
+                across[axis] = beyond.max(away[axis]);
+                if dot(across, across) <= most {
+                    nodes.push((half, across));
+                }
+            }
+        }
+        found
+    }
+
     /// A point by its number.
     pub fn point(&self, number: u32) -> Vector {
         self.points[number as usize]
@@ -187,8 +230,7 @@ impl<'a> Neighbours<'a> {
         }
         let Halving { axis, gap, tied } = self.cuts[node];
         let axis = usize::from(axis);
-        let middle = lo + (hi - lo).div_ceil(2);
-        let halves = [(2 * node + 1, lo, middle), (2 * node + 2, middle, hi)];
+        let halves = halves(node, lo, hi);
         let beyond = [place[axis] - gap[0], place[axis] - gap[1]];
         let side = beyond[0] + beyond[1];
         let own = usize::from(side > 0.0 || side == 0.0 && place[next(axis)] >= tied);
@@ -201,6 +243,12 @@ impl<'a> Neighbours<'a> {
             self.visit(place, halves[1 - own], across, found);
         }
     }
+}
+
+/// The two nodes below a node, with the points of each.
+fn halves(node: usize, lo: usize, hi: usize) -> [(usize, usize, usize); 2] {
+    let middle = lo + (hi - lo).div_ceil(2);
+    [(2 * node + 1, lo, middle), (2 * node + 2, middle, hi)]
 }
 
 /// Points move with their numbers, so that no level jumps through memory.
