@@ -155,13 +155,21 @@ fn finest(steps: impl IntoIterator<Item = Option<f64>>) -> f64 {
 
 /// The step of finite numbers; `None` where there are too few different ones to show any.
 fn step_of_column(values: &[f64]) -> Option<f64> {
+    if are_several(values.iter().copied()) { common_step(values) } else { None }
+}
+
+/// Whether there are enough different numbers to show a step.
+fn are_several(values: impl Iterator<Item = f64>) -> bool {
     let mut different: Vec<f64> = Vec::with_capacity(FEWEST_NUMBERS);
     for v in values {
-        if different.len() < FEWEST_NUMBERS && !different.contains(v) {
-            different.push(*v);
+        if !different.contains(&v) {
+            different.push(v);
+        }
+        if different.len() == FEWEST_NUMBERS {
+            return true;
         }
     }
-    if different.len() < FEWEST_NUMBERS { None } else { common_step(values) }
+    false
 }
 
 /// The step of finite numbers that are not all zero.
@@ -204,10 +212,7 @@ fn digits(values: &[f64], fixed: f64) -> Option<f64> {
     let written = |d: i32| values.iter().all(|&v| v == 0.0 || is_whole(v, 10.0, exponent(v) - d + 1));
     let d = (1..=MOST_DIGITS).find(|&d| written(d))?;
     let is_coarser = |v: &f64| *v != 0.0 && 10.0_f64.powi(exponent(*v) - d + 1) > 1.5 * fixed;
-    let mut coarser: Vec<f64> = values.iter().filter(|v| is_coarser(v)).map(|v| v.abs()).collect();
-    coarser.sort_unstable_by(f64::total_cmp);
-    coarser.dedup();
-    if coarser.len() < FEWEST_NUMBERS {
+    if !are_several(values.iter().filter(|v| is_coarser(v)).map(|v| v.abs())) {
         return None;
     }
     Some(root_mean_square(values, |v| 10.0_f64.powi(exponent(v) - d + 1)))
