@@ -43,7 +43,7 @@ fn next(axis: usize) -> usize {
 }
 
 /// A neighbour: squared distance and number.
-pub(super) type Near = (f64, u32);
+type Near = (f64, u32);
 
 /// Up to so many neighbours are kept in order while they are found; of more, moving the rest at every find costs more than
 /// picking the nearest from a buffer now and then.
@@ -118,7 +118,7 @@ impl Found {
     }
 }
 
-pub(super) fn in_order(a: &Near, b: &Near) -> std::cmp::Ordering {
+fn in_order(a: &Near, b: &Near) -> std::cmp::Ordering {
     a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
 }
 
