@@ -66,8 +66,8 @@ fn settled(touched: &Touched, asked: &[usize], spacing: f64, size: usize) -> Opt
         threads::map(asked.len(), 16, |k| Neighbourhood::of(touched, asked[k], size)).into_iter().flatten().collect();
     let mut score = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let shown = |k: usize| near[k].jet(&law).map(|jet| Shown::by(&jet));
-        let shown: Vec<Shown> = threads::map(near.len(), 16, shown).into_iter().flatten().collect();
+        let shown = |k: usize| near[k].jet(&law).map(|jet| JetMisfit::by(&jet));
+        let shown: Vec<JetMisfit> = threads::map(near.len(), 16, shown).into_iter().flatten().collect();
         if shown.is_empty() {
             return None;
         }
@@ -83,16 +83,16 @@ fn settled(touched: &Touched, asked: &[usize], spacing: f64, size: usize) -> Opt
 }
 
 /// What a jet shows of the cloud.
-struct Shown {
+struct JetMisfit {
     variance: [f64; 2],
     freedom: [f64; 2],
     bend: [f64; 2],
     score: f64,
 }
 
-impl Shown {
-    fn by(jet: &Jet) -> Shown {
-        Shown { variance: jet.variance, freedom: jet.freedom, bend: jet.bend, score: jet.variance_of_second() }
+impl JetMisfit {
+    fn by(jet: &Jet) -> JetMisfit {
+        JetMisfit { variance: jet.variance, freedom: jet.freedom, bend: jet.bend, score: jet.variance_of_second() }
     }
 }
 
@@ -105,7 +105,7 @@ fn is_settled(last: &Law, law: &Law) -> bool {
 }
 
 /// Wilson and Hilferty's quantile of a mean of so many squares.
-fn noise_of(shown: &[Shown], block: usize) -> f64 {
+fn noise_of(shown: &[JetMisfit], block: usize) -> f64 {
     let (share, gaussian) = SMOOTH;
     let value = quantile(shown.iter().map(|of| of.variance[block]), share);
     let freedom = quantile(shown.iter().map(|of| of.freedom[block]), 0.5);
