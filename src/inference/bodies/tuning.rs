@@ -1,8 +1,9 @@
-//! The settings that decide about bodies, all of them, each with its default and where that comes from.
+//! The settings that decide about bodies, how surfaces that explain a patch share its answer, and when a free height field is one, each with
+//! its default and where that comes from.
 
 use std::f64::consts::{E, PI};
 
-/// What decides how contacts of whole or strongly bent bodies are judged. The defaults serve a user who names nothing.
+/// What decides how contacts of whole or strongly bent bodies are judged, and how hypotheses about a patch are weighed. The defaults serve a user who names nothing.
 ///
 /// ```
 /// use palpate_inference::facade::recognition::Tuning;
@@ -178,6 +179,105 @@ pub struct Tuning {
     /// Distance of the middle of the contacts beside a place of a free surface from it, over their root mean square distance, up to
     /// which they lie on all sides of it.
     pub surrounded: f64,
+    /// Root mean squares of a departure over the relief, between which it is read as the sensor's error. Below the first it moves R by no more
+    /// than some 5 %, so that nothing is lost by reading it as shape.
+    pub sensor_departs: [f64; 2],
+    /// Multiple of the scatter of single contacts up to which a sensor may err as a whole.
+    pub sensor_over_scatter: f64,
+    /// Share of the relief below which such an error must stay.
+    pub sensor_of_relief: f64,
+    /// A sensor that errs smoothly over the whole patch errs from contact to contact too: neighbours share errors of at least this share of
+    /// the smooth one.
+    pub shared_of_departure: f64,
+    /// Probability of that, below which a departure is shape, whatever its size.
+    pub shared_refuted: f64,
+    /// Log evidence of everything, and log likelihood of all normals together, by which a surface that departs must be ahead of the others to be
+    /// shape whatever its size. Normals of a tactile image are slopes of its own heights, so they follow its errors: 1 for each of 29
+    /// normals of a touched ball. Normals with a scatter of 0.5 degrees are ahead by 10 to 31 on tori and bumps, and by 0.2 to 1.5 with 3 degrees.
+    /// Of 120 objects that were touched at 441 places each, 91 had S and R right without that, and 101 with it (`benches/runs/explore.md`).
+    pub departure_ahead: f64,
+    /// Share of natural departures, or of bodies, in the estimate from which on the interval of R holds theirs. Without that the interval of an
+    /// ellipsoid misses in 7 to 10 of 100 fits instead of 5 or 6; saddles of 27 contacts have one that is a seventh wider.
+    pub heard: f64,
+    /// Share of either reading in the interval where the contacts cannot tell shape from a sensor's error.
+    pub either_reading: f64,
+    /// Share of departures in the interval where they explain the contacts as well as any surface: most bodies are no plane, ball or bar. With
+    /// a half, shallow bumps and the crests of long waves, which 40 contacts cannot tell from a ball and a bar, have R inside in a tenth to a
+    /// quarter fewer of 100 fits; intervals of bars are 5 to 13 % wider by it.
+    pub departed: f64,
+    /// Log evidence within which two readings count as equally good.
+    pub alike: f64,
+    /// Log evidence by which a simple shape may be ahead of natural departures until their share of general's part falls to 1/e.
+    pub simpler: f64,
+    /// Least share of other displacements and of natural departures, where they are as likely, in what both have. Natural departures of
+    /// shallow patches are too small to be seen, so half of the share would be a doubt about nothing.
+    pub other_departures: f64,
+    /// Share of a free smooth departure that counts with a prior ten times as loose. Its bias is smaller than a rough spline's, and draws
+    /// of either half miss the truth on either side: with all or none of it, S of a bump is inside in 5 to 10 of 100 fits fewer. Profiles
+    /// have few ways to bend, so that a loose prior costs them little width.
+    pub looser: f64,
+    /// Least share of torus and of paraboloid within general's part of the interval, when they fit equally well.
+    pub reference: f64,
+    /// Factor of misfit within which the two references count as equally good.
+    pub reference_misfit: f64,
+    /// Factor of misfit within which a simple shape cannot be excluded when the misfit is the sensor's.
+    pub simple_misfit: f64,
+    /// Log evidence that departures cost where nothing shows them: 8 to 11 on balls and bars. What lies farther behind is not unseen, but spoken
+    /// against, as departures from a torus are on a paraboloid (14 to 32): with the whole least share there, all of it on one side, the
+    /// interval of R ended in their middle.
+    pub unseen: f64,
+    /// Of intervals: log evidence by which the share of the worse of two readings falls to 1/e, and the least share of general and of displaced
+    /// surfaces. With 8 and 0.1 they are up to half as wide again, and hold one of 100 random surfaces more, and of shallow bumps, which pass
+    /// for balls, 7 of 100.
+    pub doubt_of_interval: [f64; 2],
+    /// The same of classes, which end sharply: bumps of 27 contacts, whose S lies beside such an end, have the right class in 63 of 100 fits, and
+    /// by this doubt 67 are forecast, by that of intervals 70.
+    pub doubt_of_class: [f64; 2],
+    /// Log evidence by which the same surface seen in another way, about a plane or a finer displacement, has to be ahead. Within it both explain
+    /// the contacts equally well, and most bodies are round: without it bumps of 27 contacts have the right class in 0.59 instead of 0.63 of all
+    /// fits. With more, bumps of 36 contacts would stay over the curved surface, too.
+    pub look_ahead: f64,
+    /// Log evidence by which natural departures and kinds without one have to be behind before a plane is tried: a body that is nearly round
+    /// is no bump on a plane.
+    pub plane_ahead: f64,
+    /// Least cosine between the surface and that plane: on a steeper flank a height over the plane says little.
+    pub plane_steepest: f64,
+    /// Misfit over relief from which on a simple shape leaves much unsaid, if it has a pattern.
+    pub unsaid_of_relief: f64,
+    /// The same from which on no surface of the list explains the contacts.
+    pub unexplained_of_relief: f64,
+    /// Probability of a misfit's pattern by chance below which it is one.
+    pub pattern_by_chance: f64,
+    /// The same below which it is certain.
+    pub pattern_certain: f64,
+    /// Misfit over the patch's size, above which a surface that leaves much unsaid is no answer: a sensor's error may be large beside the
+    /// relief of a flat patch, but not beside its size.
+    pub sensor_of_size: f64,
+    /// Misfit over relief, shared over single errors, and correlation of neighbours, from which on a misfit is waves. Depth cameras err by as
+    /// much together as alone (0.5 to 1.3 times as much on scans of pipes), and a scan of a golf ball by 57 times as much, but by a seventeenth
+    /// of the relief. Waves too short for the cells leave errors that cells do not share, but neighbours do.
+    pub waves: [f64; 3],
+    /// Scatter of contacts over the patch's size that no sensor of a flat patch errs by.
+    pub deep_waves: f64,
+    /// Misfit over relief from which on the bend may be that of waves: a patch that bends by more than twice what it scatters has a shape of its
+    /// own, whatever lies between its contacts.
+    pub bend_of_waves: f64,
+    /// Error of a height field at contacts left out, over the relief, below which it is an answer where nothing else is.
+    pub field_predicts: f64,
+    /// The same over the misfit of a simple shape, below which it takes that one's place.
+    pub field_better: f64,
+    /// The same over the misfit of a free surface at contacts that this follows: what a surface is off by on the whole need not be a bend.
+    pub field_nearer: f64,
+    /// Contacts from which on a free surface that follows them is held against a field that follows each of them, and lines are looked for.
+    pub field_averaged_from: usize,
+    /// Least cosine between a simple shape's normal and the axis along which a field has heights: it does not follow a steeper patch.
+    pub field_level: f64,
+    /// Spread of the contacts across the patch's own plane over that along its narrower side, beyond which there is no one plane: the corner of a
+    /// room has 0.6, the edge of a box 0.7. Such contacts are several faces, though a field may follow them.
+    pub field_folded: f64,
+    /// Share of the normals on either side of a field from which on contacts go round more than it does, and the cosine that is clearly on a
+    /// side: a sensor's stray ones are fewer.
+    pub field_back: [f64; 2],
 }
 
 impl Default for Tuning {
@@ -257,6 +357,43 @@ impl Default for Tuning {
             no_gap_deg: 60.0,
             supported: [3.0, 1.5],
             surrounded: 0.5,
+            sensor_departs: [1.0 / 40.0, 1.0 / 8.0],
+            sensor_over_scatter: 2.0,
+            sensor_of_relief: 0.5,
+            shared_of_departure: 0.05,
+            shared_refuted: 0.1,
+            departure_ahead: 8.0,
+            heard: 0.25,
+            either_reading: 0.5,
+            departed: 0.8,
+            alike: 2.0,
+            simpler: 4.0,
+            other_departures: 0.25,
+            looser: 0.5,
+            reference: 0.25,
+            reference_misfit: 1.5,
+            simple_misfit: 2.0,
+            unseen: 10.0,
+            doubt_of_interval: [4.0, 0.05],
+            doubt_of_class: [8.0, 0.1],
+            look_ahead: 2.0,
+            plane_ahead: 8.0,
+            plane_steepest: 0.5,
+            unsaid_of_relief: 0.25,
+            unexplained_of_relief: 0.5,
+            pattern_by_chance: 0.01,
+            pattern_certain: 1e-3,
+            sensor_of_size: 0.1,
+            waves: [2.0, 5.0, 0.3],
+            deep_waves: 0.03,
+            bend_of_waves: 0.5,
+            field_predicts: 0.5,
+            field_better: 0.5,
+            field_nearer: 0.95,
+            field_averaged_from: 400,
+            field_level: 0.7,
+            field_folded: 0.45,
+            field_back: [0.1, 0.1],
         }
     }
 }

@@ -140,7 +140,7 @@ fn recognise_given(
     let patch = recognise_patch(&given, asked, options).map(either);
     let patch = patch.and_then(|found| whole_body::beside_a_line(found, &given, &options.tuning));
     let patch = patch.and_then(|found| whole_body::within_its_noise(found, &given, &options.tuning));
-    let patch = patch.map(|found| free_form::beside_short_waves(found, &given.points));
+    let patch = patch.map(|found| free_form::beside_short_waves(found, &given.points, &options.tuning));
     whole_body::instead(patch, &given, asked.touches, options)
 }
 
@@ -168,11 +168,13 @@ fn recognise_patch(
         models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
     };
     let contacts_per_cell = patch.points.len() as f64 / cells.points.len() as f64;
-    let at = SearchContext { cells: &cells, contacts: &patch.points, factors: &factors, limit };
+    let at =
+        SearchContext { cells: &cells, contacts: &patch.points, factors: &factors, limit, tuning: &options.tuning };
     let weigh = |linearised: &Linearised, evidence: &Evidence, nodes: &[Node]| {
         // a plane that a body stands over misfits it whatever the body is
         let models = if linearised.over_plane.is_some() { &plain.models } else { &linearised.models };
-        answer::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, |kind| misfit(models, kind))
+        let misfit = |kind| misfit(models, kind);
+        answer::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, misfit, &options.tuning)
     };
     let may_be_error = |linearised: &Linearised, evidence: &Evidence, nodes: &[Node]| {
         weigh(linearised, evidence, nodes).displacement_may_be_error()

@@ -24,7 +24,7 @@ pub struct RecognitionOptions {
     pub up: Option<[f64; 3]>,
     /// Known sd of the contacts' errors in x and in y, input units and axes; 0 where they err alike in all directions.
     pub sigma_xy: f64,
-    /// What decides how whole and strongly bent bodies are judged.
+    /// What decides how hypotheses are judged.
     #[cfg_attr(feature = "serde", serde(default))]
     pub tuning: Tuning,
 }

@@ -1,11 +1,11 @@
 //! The room that an interval leaves for doubt: weights in which what the evidence speaks against keeps a share.
 //!
 //! ```text
-//! v = w, but departures never below max(least e^-(gap - 10)/fading, 0.8 e^-(gap - 2)/fading), no e^ above 1
+//! v = w, but departures never below max(least e^-(gap - unseen)/fading, departed e^-(gap - alike)/fading), no e^ above 1
 //!                             gap: log evidence by which they are behind
 //! departures of the interval: natural ones; rough splines, and half of the smooth ones, with a prior ten times as loose, unless f may
 //!                             be an error;  departures that are free in form never below half, rough splines never below
-//!                             e^-(gap - 2)/fading / 2 of these
+//!                             e^-(gap - alike)/fading / 2 of these
 //! torus of both: its share goes to natural departures and bodies, where no simple shape is far ahead, and no departure is an error;
 //!                where one may be an error, the torus of the interval's other reading does so, too
 //! ```
@@ -15,76 +15,43 @@
 //! biased value misses the truth, so the interval's displaced surfaces are smoothed ten times less. P. Hall, *Ann.
 //! Statist.* 20 (1992) 675.
 
+use crate::bodies::Tuning;
 use crate::recognition::discrepancy::is_free;
 use crate::recognition::evidence::{GROUPS, Node};
 use crate::recognition::kinds::Kind;
 
 use super::normalised_weights::{best, raise, shares, total};
 
-/// Share of either reading in the interval where the contacts cannot tell shape from a sensor's error.
-pub(super) const EITHER: f64 = 0.5;
-
-/// Share of departures in the interval where they explain the contacts as well as any surface: most bodies are no plane, ball or bar. With
-/// a half, shallow bumps and the crests of long waves, which 40 contacts cannot tell from a ball and a bar, have R inside in a tenth to a quarter
-/// fewer of 100 fits; intervals of bars are 5 to 13 % wider by it.
-const DEPARTED: f64 = 0.8;
-
-/// Log evidence within which two readings count as equally good.
-const ALIKE: f64 = 2.0;
-
-/// Log evidence by which a simple shape may be ahead of natural departures until their share of general's part falls to 1/e.
-const SIMPLER: f64 = 4.0;
-
-/// Least share of other displacements and of natural departures, where they are as likely, in what both have. Natural departures of
-/// shallow patches are too small to be seen, so half of the share would be a doubt about nothing.
-const OTHER: f64 = 0.25;
-
-/// Share of a free smooth departure that counts with a prior ten times as loose. Its bias is smaller than a rough spline's, and draws
-/// of either half miss the truth on either side: with all or none of it, S of a bump is inside in 5 to 10 of 100 fits fewer. Profiles
-/// have few ways to bend, so that a loose prior costs them little width.
-const LOOSER: f64 = 0.5;
-
-/// Least share of torus and of paraboloid within general's part of the interval, when they fit equally well.
-const REFERENCE: f64 = 0.25;
-
-/// Factor of misfit within which the two references count as equally good.
-const AS_GOOD: f64 = 1.5;
-
-/// Factor of misfit within which a simple shape cannot be excluded when the misfit is the sensor's.
-const SIMPLE: f64 = 2.0;
-
-/// Log evidence that departures cost where nothing shows them: 8 to 11 on balls and bars. What lies farther behind is not unseen, but spoken
-/// against, as departures from a torus are on a paraboloid (14 to 32): with the whole least share there, all of it on one side, the
-/// interval of R ended in their middle.
-const UNSEEN: f64 = 10.0;
-
 /// How much room is left for what the evidence speaks against.
 #[derive(Clone, Copy)]
-pub(super) struct Doubt {
+pub(super) struct Doubt<'a> {
     /// Log evidence by which the share of the worse of two readings falls to 1/e.
     fading: f64,
     /// Least share of general and of displaced surfaces.
     least: f64,
+    tuning: &'a Tuning,
 }
 
-impl Doubt {
-    /// Of intervals. With a fading of 8 and a least share of 0.1 they are up to half as wide again, and hold one of 100 random surfaces more, and
-    /// of shallow bumps, which pass for balls, 7 of 100.
-    pub(super) const OF_INTERVAL: Doubt = Doubt { fading: 4.0, least: 0.05 };
+impl<'a> Doubt<'a> {
+    pub(super) fn of_interval(tuning: &'a Tuning) -> Doubt<'a> {
+        let [fading, least] = tuning.doubt_of_interval;
+        Doubt { fading, least, tuning }
+    }
 
-    /// Of classes, which end sharply: bumps of 27 contacts, whose S lies beside such an end, have the right class in 63 of 100 fits, and by
-    /// this doubt 67 are forecast, by that of intervals 70.
-    pub(super) const OF_CLASS: Doubt = Doubt { fading: 8.0, least: 0.1 };
+    pub(super) fn of_class(tuning: &'a Tuning) -> Doubt<'a> {
+        let [fading, least] = tuning.doubt_of_class;
+        Doubt { fading, least, tuning }
+    }
 
     /// Share of a reading whose log evidence lies `gap` below the best: `most` where it is as good, fading slowly, because
     /// no prior of shapes is known that well.
     fn share(self, most: f64, gap: f64) -> f64 {
-        most * self.faded(gap - ALIKE)
+        most * self.faded(gap - self.tuning.alike)
     }
 
     /// Least share of departures whose log evidence lies `gap` below the best.
     fn least_of_departures(self, gap: f64) -> f64 {
-        self.least * self.faded(gap - UNSEEN)
+        self.least * self.faded(gap - self.tuning.unseen)
     }
 
     /// What so much log evidence leaves of a share.
@@ -97,21 +64,23 @@ impl Doubt {
 pub(super) fn keep_simple(interval: &mut [f64], nodes: &[Node], doubt: Doubt, misfit: impl Fn(Kind) -> f64) {
     for kind in [Kind::Sphere, Kind::Cylinder] {
         let here = |n: &Node| n.kind == kind;
-        if misfit(kind) <= SIMPLE * misfit(Kind::General) && total(interval, nodes, here) < doubt.least {
+        if misfit(kind) <= doubt.tuning.simple_misfit * misfit(Kind::General)
+            && total(interval, nodes, here) < doubt.least
+        {
             raise(interval, nodes, here, |_| true, doubt.least);
         }
     }
 }
 
 /// Shares of the displaced nodes, passed on to the node of the same kernel whose prior is ten times as loose.
-fn undersmoothed(nodes: &[Node]) -> Vec<f64> {
+fn undersmoothed(nodes: &[Node], tuning: &Tuning) -> Vec<f64> {
     let plain = shares(nodes, |n| n.group() == 2);
     let mut out = plain.clone();
     for (i, node) in nodes.iter().enumerate().filter(|(_, n)| n.group() == 2) {
         // the sizes of a prior follow each other
         let next = nodes.get(i + 1).filter(|next| next.kernel == node.kernel && next.departure.is_like(node.departure));
         if next.is_some() {
-            let passed = plain[i] * if node.departure.process().is_some_and(is_free) { LOOSER } else { 1.0 };
+            let passed = plain[i] * if node.departure.process().is_some_and(is_free) { tuning.looser } else { 1.0 };
             out[i] -= passed;
             out[i + 1] += passed;
         }
@@ -120,11 +89,11 @@ fn undersmoothed(nodes: &[Node]) -> Vec<f64> {
 }
 
 /// Gives departures that are free in form half of what displacements have: no body is exactly a profile that was drawn or turned.
-fn with_free(mut shares: Vec<f64>, nodes: &[Node]) -> Vec<f64> {
+fn with_free(mut shares: Vec<f64>, nodes: &[Node], either: f64) -> Vec<f64> {
     let displaced = |n: &Node| n.group() == 2;
     let free = |n: &Node| displaced(n) && n.departure.process().is_none_or(is_free);
-    if total(&shares, nodes, free) < EITHER * total(&shares, nodes, displaced) {
-        raise(&mut shares, nodes, free, displaced, EITHER);
+    if total(&shares, nodes, free) < either * total(&shares, nodes, displaced) {
+        raise(&mut shares, nodes, free, displaced, either);
     }
     shares
 }
@@ -133,7 +102,7 @@ fn with_free(mut shares: Vec<f64>, nodes: &[Node]) -> Vec<f64> {
 fn with_rough(mut shares: Vec<f64>, nodes: &[Node], doubt: Doubt) -> Vec<f64> {
     let displaced = |n: &Node| n.group() == 2;
     let is_rough = |n: &Node| displaced(n) && !n.departure.is_smooth();
-    let least = doubt.share(EITHER, best(nodes, displaced) - best(nodes, is_rough));
+    let least = doubt.share(doubt.tuning.either_reading, best(nodes, displaced) - best(nodes, is_rough));
     if total(&shares, nodes, is_rough) < least {
         raise(&mut shares, nodes, is_rough, displaced, least);
     }
@@ -148,9 +117,10 @@ pub(super) fn with_doubt(
     doubt: Doubt,
     misfit: impl Fn(Kind) -> f64,
 ) -> Vec<f64> {
+    let tuning = doubt.tuning;
     let groups: [Vec<f64>; GROUPS] = std::array::from_fn(|j| shares(nodes, |n| n.group() == j));
-    let looser = if error { groups[2].clone() } else { undersmoothed(nodes) };
-    let rougher = with_rough(with_free(looser, nodes), nodes, doubt);
+    let looser = if error { groups[2].clone() } else { undersmoothed(nodes, tuning) };
+    let rougher = with_rough(with_free(looser, nodes, tuning.either_reading), nodes, doubt);
     let wanted = group_shares(nodes, estimate, error, doubt);
     let mut out = vec![0.0; nodes.len()];
     for (wanted, fresh) in wanted.into_iter().zip([&groups[0], &groups[1], &rougher, &groups[3], &groups[4]]) {
@@ -164,13 +134,13 @@ pub(super) fn with_doubt(
     for (kind, own, other) in [(Kind::General, torus, paraboloid), (Kind::Paraboloid, paraboloid, torus)] {
         let within = |n: &Node| n.group() == 1;
         let here = |n: &Node| within(n) && n.kind == kind;
-        let least = doubt.share(REFERENCE, best(nodes, within) - best(nodes, here));
-        if own <= AS_GOOD * other && total(&out, nodes, here) < least * total(&out, nodes, within) {
+        let least = doubt.share(tuning.reference, best(nodes, within) - best(nodes, here));
+        if own <= tuning.reference_misfit * other && total(&out, nodes, here) < least * total(&out, nodes, within) {
             raise(&mut out, nodes, here, within, least);
         }
     }
     if !error {
-        departed(nodes, &mut out);
+        departed(nodes, &mut out, tuning);
     }
     out
 }
@@ -182,21 +152,23 @@ fn group_shares(nodes: &[Node], estimate: &[f64], error: bool, doubt: Doubt) -> 
     let any = sums[2] + sums[3];
     let best_of_any = best_of(2).max(best_of(3));
     let gap = best(nodes, |_| true) - best_of_any;
-    let both = any.max(if error { EITHER } else { doubt.share(DEPARTED, gap) }).max(doubt.least_of_departures(gap));
+    let both = any
+        .max(if error { doubt.tuning.either_reading } else { doubt.share(doubt.tuning.departed, gap) })
+        .max(doubt.least_of_departures(gap));
     let general =
         if any + sums[4] < 0.5 { (sums[1] + any - both).max(doubt.least) } else { sums[1].min((1.0 - both).max(0.0)) };
     let exact = sums[0] + sums[4];
     let rest = if exact > 0.0 { (1.0 - general - both).max(0.0) / exact } else { 0.0 };
     // either kind of displacement keeps a part of what both have
     let share = if any > 0.0 { sums[3] / any } else { 0.0 };
-    let [other, natural] = [2, 3].map(|j| doubt.share(OTHER, best_of_any - best_of(j)));
+    let [other, natural] = [2, 3].map(|j| doubt.share(doubt.tuning.other_departures, best_of_any - best_of(j)));
     let natural = both * share.max(natural).min(1.0 - other);
     [rest * sums[0], general, both - natural, natural, rest * sums[4]]
 }
 
 /// Passes the torus's share to natural departures and bodies, because no surface has two constant curvatures that differ, but for
 /// cylinders. Where a simple shape explains the contacts far better, the torus keeps it: it then repeats that shape.
-pub(super) fn departed(nodes: &[Node], weights: &mut [f64]) {
+pub(super) fn departed(nodes: &[Node], weights: &mut [f64], tuning: &Tuning) {
     let is_torus = |n: &Node| n.kind == Kind::General && n.group() == 1;
     let is_other = |n: &Node| n.is_natural() || n.is_body();
     let (torus, fresh) = (total(weights, nodes, is_torus), shares(nodes, is_other));
@@ -204,7 +176,7 @@ pub(super) fn departed(nodes: &[Node], weights: &mut [f64]) {
         return;
     }
     let gap = best(nodes, |n| n.group() == 0) - best(nodes, is_other);
-    let passed = (-(gap - ALIKE).max(0.0) / SIMPLER).exp();
+    let passed = (-(gap - tuning.alike).max(0.0) / tuning.simpler).exp();
     for ((w, node), fresh) in weights.iter_mut().zip(nodes).zip(fresh) {
         if is_torus(node) {
             *w *= 1.0 - passed;

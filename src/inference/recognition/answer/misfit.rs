@@ -13,9 +13,6 @@ use crate::recognition::Misfit;
 use crate::recognition::contacts::Cells;
 use palpate_geometry::neighbours::Neighbours;
 
-/// Probability of shared errors, or of a displacement, above which the sentence mentions them.
-const CERTAIN: f64 = 0.95;
-
 /// What the sentence needs to know besides the residuals.
 pub(super) struct Findings {
     /// Root mean square misfit over relief.
@@ -26,6 +23,8 @@ pub(super) struct Findings {
     pub(crate) tau: f64,
     /// Displacement over relief, where it was read as shape and is certain.
     pub(super) displacement: Option<f64>,
+    /// Probability from which on either is spoken of.
+    pub(super) certain: f64,
 }
 
 /// Tests the final residuals at the cells.
@@ -59,7 +58,7 @@ pub(super) fn words(findings: &Findings, p: f64) -> String {
             100.0 * size
         );
     }
-    if findings.correlated > CERTAIN {
+    if findings.correlated > findings.certain {
         return format!(
             "the misfit is patterned: neighbouring contacts share errors of {:.1} % of the relief",
             100.0 * findings.tau

@@ -14,7 +14,6 @@ use palpate_numeric::statistics::weighted_quantile;
 use palpate_numeric::vector::{Vector, dot};
 
 use super::shape_means::Field;
-use super::weights::HEARD;
 
 /// Everything drawn for one node.
 pub(super) struct Drawn {
@@ -61,23 +60,38 @@ impl Mirrored {
     }
 }
 
-/// The interval of S (`of_s`) or of R. Noise bends a displaced surface more and pulls its k1 and k2 apart: draws of R lie
+/// What an interval is of.
+#[derive(Clone, Copy)]
+pub(super) enum Quantity {
+    ShapeIndex,
+    /// With the share of natural departures in the estimate from which on the interval holds theirs.
+    Curvedness {
+        heard: f64,
+    },
+}
+
+/// The interval of S or of R. Noise bends a displaced surface more and pulls its k1 and k2 apart: draws of R lie
 /// above the likeliest R as that lies above the truth, and draws of |S| lie below. Draws of displaced surfaces therefore count half as
 /// they are and half mirrored at the likeliest. A smooth departure is smoothed instead, so that its likeliest R lies below the truth,
 /// and draws as they are hold it. Either quantity takes the wider end of two ways on either side: S, which ends at 1 where mirrored draws
 /// pile up, with all draws as they are, R with those of smooth departures. Natural departures that have a good part of the
 /// estimate of R are held by its interval as if they were alone: other departures lie lower, and with half of the weights there they
 /// would put the upper end at nine tenths of what natural departures allow. So are bodies that are about as likely as the likeliest one.
-pub(super) fn interval_of(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64, of_s: bool) -> Option<[f64; 2]> {
-    let (range, other) =
-        if of_s { ([-1.0, 1.0], Mirrored::None) } else { ([0.0, f64::INFINITY], Mirrored::AllButSmooth) };
+pub(super) fn interval_of(
+    found: &[&Drawn],
+    pick: fn(&Field) -> f64,
+    level: f64,
+    quantity: Quantity,
+) -> Option<[f64; 2]> {
+    let (range, other) = match quantity {
+        Quantity::ShapeIndex => ([-1.0, 1.0], Mirrored::None),
+        Quantity::Curvedness { .. } => ([0.0, f64::INFINITY], Mirrored::AllButSmooth),
+    };
     let of_interval = |drawn: &Drawn| drawn.weights[1];
     let [lo, hi] = quantiles(found, pick, level, other, range, of_interval)?;
     let [low, high] = quantiles(found, pick, level, Mirrored::Displaced, range, of_interval)?;
     let mut ends = [lo.min(low), hi.max(high)];
-    if of_s {
-        return Some(ends);
-    }
+    let Quantity::Curvedness { heard } = quantity else { return Some(ends) };
     let mut hold = |own: Option<[f64; 2]>| {
         if let Some([lo, hi]) = own {
             ends = [ends[0].min(lo), ends[1].max(hi)];
@@ -85,7 +99,7 @@ pub(super) fn interval_of(found: &[&Drawn], pick: fn(&Field) -> f64, level: f64,
     };
     let natural: Vec<&Drawn> = found.iter().copied().filter(|drawn| drawn.natural).collect();
     let in_estimate = |drawn: &[&Drawn]| drawn.iter().map(|d| d.weights[0]).sum::<f64>();
-    if in_estimate(&natural) >= HEARD * in_estimate(found) {
+    if in_estimate(&natural) >= heard * in_estimate(found) {
         hold(quantiles(&natural, pick, level, Mirrored::None, range, of_interval));
     }
     for body in Body::ALL {

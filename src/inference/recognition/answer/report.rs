@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::bodies::Tuning;
 use crate::dense;
 use crate::recognition::contacts::Dropped;
 use crate::recognition::discrepancy::{ChartPoint, State};
@@ -32,12 +33,6 @@ const OF_SPLINES: f64 = 5e-4;
 /// without noise over 8 by 8 are off by 6e-5 and 7e-5.
 const OF_BODIES: f64 = 1e-4;
 
-/// Misfit, as a share of the relief, from which on single contacts are asked whether it has a pattern.
-const LARGE: f64 = 0.25;
-
-/// Misfit that no simple shape explains: this share of the relief, and of the patch's size.
-const UNEXPLAINED: [f64; 2] = [0.5, 0.1];
-
 /// The points that contacts support.
 fn held(points: &[ChartPoint], supported: &[bool]) -> Vec<ChartPoint> {
     points.iter().zip(supported).filter(|(_, supported)| **supported).map(|(point, _)| point.clone()).collect()
@@ -63,7 +58,7 @@ impl Findings<'_> {
         let own = self.nodes.iter().zip(&self.weights.estimate).filter(|(n, _)| n.hypothesis() == hypothesis);
         let (best, _) = own.max_by(|a, b| a.1.total_cmp(b.1)).ok_or_else(|| failed("comparison of hypotheses"))?;
         let state = likeliest(self.evidence, best).ok_or_else(|| failed("likeliest surface"))?;
-        let misfit = self.misfit(best, &state)?;
+        let misfit = self.misfit(best, &state, &options.tuning)?;
         let scale = self.patch.frame.scale;
         let base = self.evidence.models.iter().find(|m| m.kind() == Kind::General);
         let Some(Model::Constant(_, base)) = base else { return Err(failed("general fit")) };
@@ -99,7 +94,7 @@ impl Findings<'_> {
         let axis = directions.map(|both| both[lengthwise]).filter(|_| class.has_axis());
         let Dropped { outliers, missing, normals_of_length_zero, normals_against, normals_flipped } =
             self.patch.dropped;
-        let notes = self.notes(best, &misfit, class);
+        let notes = self.notes(best, &misfit, class, &options.tuning);
         Ok(Recognition {
             hypothesis,
             class,
@@ -174,28 +169,30 @@ impl Findings<'_> {
         (if square > 0.0 { product / square } else { 0.0 }, self.nearest.len() as f64)
     }
 
-    fn misfit(&self, best: &Node, state: &State) -> Result<Misfit, RecognitionError> {
+    fn misfit(&self, best: &Node, state: &State, tuning: &Tuning) -> Result<Misfit, RecognitionError> {
         let residuals = self.residuals(best, state);
         let size = self.size(&residuals);
         let outliers =
             100.0 * self.patch.dropped.outliers as f64 / (self.patch.dropped.outliers + self.patch.points.len()) as f64;
         let correlated = total(&self.weights.estimate, self.nodes, |n| n.ratio > 0.0);
-        let certain = best.is_displaced() && self.weights.displaced > 0.95;
+        let certain = best.is_displaced() && self.weights.displaced > tuning.certain;
         let findings = misfit::Findings {
             of_relief: size / self.relief,
             correlated,
             tau: best.tau() / self.relief,
             displacement: certain.then_some(self.weights.size),
+            certain: tuning.certain,
         };
         let mut found = misfit(self.evidence.cells, &residuals, &findings);
-        if size > LARGE * self.relief {
+        if size > tuning.unsaid_of_relief * self.relief {
             let (correlation, pairs) = self.agreement_of_neighbours(best, state);
             if correlation > found.neighbour_correlation {
                 (found.neighbour_correlation, found.p) = (correlation, misfit::chance(correlation, pairs).min(found.p));
                 found.words = misfit::words(&findings, found.p);
             }
         }
-        if size > UNEXPLAINED[0] * self.relief && size > UNEXPLAINED[1] && found.p < 0.01 {
+        let is_unexplained = size > tuning.unexplained_of_relief * self.relief && size > tuning.sensor_of_size;
+        if is_unexplained && found.p < tuning.pattern_by_chance {
             return Err(RecognitionError::NotOneSheet { misfit: 100.0 * size / self.relief, outliers });
         }
         Ok(found)
@@ -286,7 +283,7 @@ impl Findings<'_> {
         Some(Remark::Tilt { degrees })
     }
 
-    fn notes(&self, best: &Node, misfit: &Misfit, class: ShapeClass) -> Vec<Remark> {
+    fn notes(&self, best: &Node, misfit: &Misfit, class: ShapeClass, tuning: &Tuning) -> Vec<Remark> {
         let mut notes = self.patch.notes.clone();
         notes.extend(self.gain(best).into_iter().chain(self.tilt(best)));
         if self.weights.displacement_is_error() {
@@ -299,7 +296,8 @@ impl Findings<'_> {
         if self.place_errors.shown {
             notes.push(Remark::PlacesErr { sd: self.place_errors.across.sqrt() * self.patch.frame.scale });
         }
-        if misfit.percent_of_relief > 100.0 * UNEXPLAINED[0] && misfit.p < 0.01 {
+        let is_unexplained = misfit.percent_of_relief > 100.0 * tuning.unexplained_of_relief;
+        if is_unexplained && misfit.p < tuning.pattern_by_chance {
             notes.push(if class == ShapeClass::Plane { Remark::MisfitOfPlane } else { Remark::MisfitOfShape });
         }
         notes

@@ -22,6 +22,7 @@
 
 use faer::Mat;
 
+use crate::bodies::Tuning;
 use crate::dense;
 use crate::recognition::discrepancy::{Body, is_free};
 use crate::recognition::equations::{Rows, column_of, first_of_displacement};
@@ -30,40 +31,8 @@ use crate::recognition::kinds::Kind;
 use palpate_geometry::neighbours::Neighbours;
 use palpate_numeric::statistics::{median, standard_deviation};
 
-use super::interval_weights::{Doubt, EITHER, departed, keep_simple, with_doubt};
+use super::interval_weights::{Doubt, departed, keep_simple, with_doubt};
 use super::normalised_weights::{best, raise, shares, total};
-
-/// Sizes of f, relative to the relief, that are read as the sensor's error.
-const SENSOR: [f64; 2] = [1.0 / 40.0, 1.0 / 8.0];
-
-/// Multiple of the scatter of single contacts up to which a sensor may err as a whole, and the share of the relief
-/// below which such an error must stay.
-const OF_SCATTER: f64 = 2.0;
-const SHARE_OF_RELIEF: f64 = 0.5;
-
-/// A sensor that errs smoothly over the whole patch errs from contact to contact too: neighbours share errors of at
-/// least this share of the smooth one. Where that has less than the second number in probability, a displacement is
-/// shape, whatever its size.
-const OF_DEPARTURE: f64 = 0.05;
-const REFUTED: f64 = 0.1;
-
-/// Log likelihood of the normals for every cell, and log evidence of everything, by which a displaced surface has to be ahead
-/// of the plain ones before it is shape whatever its size: a sensor that errs in its positions does not tilt normals that
-/// were measured on their own. A sensor may tilt all normals by as large a multiple of their scatter as it may displace
-/// positions ([`OF_SCATTER`]); half the square of that is 2. The normals of a tactile image are slopes of its own heights,
-/// so they follow its errors: 1 for each of 29 normals of a touched ball. Normals with a scatter of 0.5 degrees are ahead by
-/// 10 to 31 on tori and bumps, and by 0.2 to 1.5 with 3 degrees.
-///
-/// A tactile image displaces its contacts by many times what neighbours differ by (22 times on that ball). A departure below
-/// [`OF_SCATTER`] is no such error, and normals that are ahead by the second number all together show that it is shape. Of 120
-/// objects that were touched at 441 places each, 91 had S and R right without that, and 101 with it
-/// (`benches/runs/explore.md`).
-const BY_NORMALS: f64 = 0.5 * OF_SCATTER * OF_SCATTER;
-const BY_ALL: f64 = 8.0;
-
-/// Share of natural departures, or of bodies, in the estimate from which on the interval of R holds theirs. Without that the interval of an
-/// ellipsoid misses in 7 to 10 of 100 fits instead of 5 or 6; saddles of 27 contacts have one that is a seventh wider.
-pub(super) const HEARD: f64 = 0.25;
 
 /// Weights of all nodes.
 #[derive(Clone, Debug, Default)]
@@ -92,18 +61,20 @@ pub(crate) struct Weights {
     cells: f64,
     /// Whether the estimate takes the displacement for shape although it may be the sensor's error.
     pub(super) taken_for_shape: bool,
+    tuning: Tuning,
 }
 
 impl Weights {
     /// Whether the displacement is the sensor's error rather than shape.
     pub(super) fn displacement_is_error(&self) -> bool {
-        let small = self.size < SENSOR[1] || (self.size < SHARE_OF_RELIEF && self.of_scatter < OF_SCATTER);
-        SENSOR[0] < self.size && small && self.may_be_error()
+        let Tuning { sensor_departs: [least, most], sensor_of_relief, sensor_over_scatter, .. } = self.tuning;
+        let small = self.size < most || (self.size < sensor_of_relief && self.of_scatter < sensor_over_scatter);
+        least < self.size && small && self.may_be_error()
     }
 
     /// Whether the interval has a share of surfaces without the displacement, because that may be the sensor's error.
     pub(crate) fn displacement_may_be_error(&self) -> bool {
-        self.displacement_is_error() || (self.may_be_error() && self.size < 2.0 * SENSOR[1])
+        self.displacement_is_error() || (self.may_be_error() && self.size < 2.0 * self.tuning.sensor_departs[1])
     }
 
     /// Leaves room for the other reading, of a displacement as shape or as the sensor's error.
@@ -116,21 +87,25 @@ impl Weights {
             return;
         }
         // the bound on a sensor's error is not a sharp one: above it the reading as an error fades instead of ending
-        let fading = EITHER * (2.0 - self.size / SENSOR[1]);
+        let either = self.tuning.either_reading;
+        let fading = either * (2.0 - self.size / self.tuning.sensor_departs[1]);
         let plain = |n: &Node| !n.is_displaced();
         if self.may_be_error() && fading > total(out, nodes, plain) {
-            raise(out, nodes, plain, |_| true, fading.min(EITHER));
-            departed(nodes, out);
+            raise(out, nodes, plain, |_| true, fading.min(either));
+            departed(nodes, out, &self.tuning);
         }
     }
 
     /// Whether errors that neighbours share are large enough for a sensor that errs as a whole, and no normals say that the
     /// displacement is shape.
     fn may_be_error(&self) -> bool {
-        let every_one = self.normals > BY_NORMALS * self.cells;
-        let together = self.normals > BY_ALL && self.of_scatter < OF_SCATTER;
-        let confirmed = (every_one || together) && self.gap > BY_ALL;
-        self.shared > REFUTED && !confirmed
+        let Tuning { sensor_over_scatter: multiple, departure_ahead: ahead, .. } = self.tuning;
+        // a sensor may tilt normals by as large a multiple of their scatter as it displaces positions by
+        let every_one = self.normals > 0.5 * multiple * multiple * self.cells;
+        // it displaces contacts by many times what neighbours differ by: 22 times on a ball
+        let together = self.normals > ahead && self.of_scatter < multiple;
+        let confirmed = (every_one || together) && self.gap > ahead;
+        self.shared > self.tuning.shared_refuted && !confirmed
     }
 }
 
@@ -142,15 +117,16 @@ pub(crate) fn weigh(
     relief: f64,
     contacts_per_cell: f64,
     misfit: impl Fn(Kind) -> f64,
+    tuning: &Tuning,
 ) -> Weights {
     let mut estimate = shares(nodes, |_| true);
     let displaced = total(&estimate, nodes, |n| n.is_displaced());
-    let mut weights = Weights { displaced, ..Weights::default() };
+    let mut weights = Weights { displaced, tuning: tuning.clone(), ..Weights::default() };
     if displaced > 0.05 {
         let departure = displacement_size(evidence, rows, nodes, &estimate).unwrap_or(0.0);
         weights.size = departure / relief;
         weights.of_scatter = departure / scatter(nodes, &estimate, contacts_per_cell);
-        weights.shared = shared(evidence, nodes, &estimate, OF_DEPARTURE * departure) / displaced;
+        weights.shared = shared(evidence, nodes, &estimate, tuning.shared_of_departure * departure) / displaced;
     }
     weights.gap = best(nodes, |n| n.is_displaced()) - best(nodes, |n| !n.is_displaced());
     weights.normals = normals_gain(evidence, nodes).unwrap_or(0.0);
@@ -160,35 +136,35 @@ pub(crate) fn weigh(
     if error {
         estimate = shares(nodes, |n| !n.is_displaced());
     }
-    weights.taken_for_shape = error && departs_naturally(nodes, &estimate);
+    weights.taken_for_shape = error && departs_naturally(nodes, &estimate, tuning);
     let doubted = |doubt: Doubt| {
         let mut out = with_doubt(nodes, &estimate, error, doubt, &misfit);
         weights.between_readings(nodes, &mut out, doubt, &misfit);
         out
     };
     // evidence does not tell an error of the sensor from shape, and what is read as one keeps the room that classes have
-    let of_interval = if error && !weights.taken_for_shape { Doubt::OF_CLASS } else { Doubt::OF_INTERVAL };
-    let [interval, class] = [of_interval, Doubt::OF_CLASS].map(doubted);
+    let of_interval = if error && !weights.taken_for_shape { Doubt::of_class } else { Doubt::of_interval };
+    let [interval, class] = [of_interval(tuning), Doubt::of_class(tuning)].map(doubted);
     (weights.interval, weights.class) = (interval, class);
     if !error {
-        departed(nodes, &mut estimate);
+        departed(nodes, &mut estimate, tuning);
     }
-    weights.heard = heard(nodes, if weights.taken_for_shape { &by_evidence } else { &estimate });
+    weights.heard = heard(nodes, if weights.taken_for_shape { &by_evidence } else { &estimate }, tuning);
     weights.estimate = if weights.taken_for_shape { by_evidence } else { estimate };
     weights
 }
 
-/// Shares within every body that is as likely as the likeliest one to within [`BY_ALL`], where bodies have a good part of the estimate: a ring
+/// Shares within every body that is as likely as the likeliest one to within `departure_ahead`, where bodies have a good part of the estimate: a ring
 /// and an ellipsoid that no contact tells apart differ in R by some per cent, and which of them has fewer numbers says little.
-fn heard(nodes: &[Node], estimate: &[f64]) -> Vec<f64> {
+fn heard(nodes: &[Node], estimate: &[f64], tuning: &Tuning) -> Vec<f64> {
     let mut out = vec![0.0; nodes.len()];
-    if total(estimate, nodes, Node::is_body) < HEARD {
+    if total(estimate, nodes, Node::is_body) < tuning.heard {
         return out;
     }
     let likeliest = best(nodes, Node::is_body);
     for body in Body::ALL {
         let own = |n: &Node| n.departure.body() == Some(body);
-        if best(nodes, own) > likeliest - BY_ALL {
+        if best(nodes, own) > likeliest - tuning.departure_ahead {
             out.iter_mut().zip(shares(nodes, own)).for_each(|(out, share)| *out += share);
         }
     }
@@ -198,13 +174,16 @@ fn heard(nodes: &[Node], estimate: &[f64]) -> Vec<f64> {
 /// Whether the rest is no simple shape under these weights of plain nodes, and natural departures explain the contacts about as
 /// well as any displacement does that is free in form; or a body of a few numbers more explains them best of all, and clearly better than
 /// whatever does not depart.
-fn departs_naturally(nodes: &[Node], plain: &[f64]) -> bool {
+fn departs_naturally(nodes: &[Node], plain: &[f64], tuning: &Tuning) -> bool {
     let simple = total(plain, nodes, |n| n.group() == 0);
     let body = best(nodes, Node::is_body);
-    let rivals = [best(nodes, |n| !n.is_displaced()) + BY_ALL, best(nodes, |n| n.is_displaced() && !n.is_body())];
+    let rivals = [
+        best(nodes, |n| !n.is_displaced()) + tuning.departure_ahead,
+        best(nodes, |n| n.is_displaced() && !n.is_body()),
+    ];
     let is_body = rivals.into_iter().all(|rival| body > rival);
     let free = |n: &Node| n.departure.process().is_none_or(is_free);
-    simple < 0.5 && (is_body || best(nodes, Node::is_natural) > best(nodes, free) - BY_ALL)
+    simple < 0.5 && (is_body || best(nodes, Node::is_natural) > best(nodes, free) - tuning.departure_ahead)
 }
 
 /// Log likelihood by which the likeliest displaced surface explains the normals better than the likeliest plain one.

@@ -12,6 +12,7 @@
 //! simpler over the curved base. The evidence tells which, and is compared for the same measured points: a distance along the normal of
 //! the plane is L times one along the surface's own normal, and rows of normals are L times as long.
 
+use crate::bodies::Tuning;
 use crate::recognition::contacts::is_known;
 use crate::recognition::discrepancy::{ChartPoint, Forms, State};
 use crate::recognition::equations::Moved;
@@ -23,13 +24,6 @@ use super::marginal_likelihood::Evidence;
 use super::node::{Node, highest, likeliest};
 use super::relinearise::under_likeliest;
 
-/// Log evidence by which natural departures and kinds without one have to be behind before a plane is tried: a body that is nearly round
-/// is no bump on a plane.
-const BEHIND: f64 = 8.0;
-
-/// Least cosine between the surface and the plane: on a steeper flank a height over the plane says little.
-const STEEPEST: f64 = 0.5;
-
 /// A surface that was found, seen from a plane.
 pub(super) struct OverPlane {
     pub(super) moved: Moved,
@@ -38,11 +32,11 @@ pub(super) struct OverPlane {
 }
 
 /// The plane under the likeliest surface; `None` where that does not depart much, or is too steep for a plane.
-pub(super) fn over_plane(made: &Linearised, evidence: &Evidence, nodes: &[Node]) -> Option<OverPlane> {
+pub(super) fn over_plane(made: &Linearised, evidence: &Evidence, nodes: &[Node], tuning: &Tuning) -> Option<OverPlane> {
     let likeliest = likeliest(nodes)?;
     let departs = |n: &Node| n.is_displaced() && !n.is_natural() && !n.is_body();
     let others = highest(nodes.iter().filter(|n| !departs(n)));
-    if made.over_plane.is_some() || !departs(likeliest) || likeliest.log_evidence < others + BEHIND {
+    if made.over_plane.is_some() || !departs(likeliest) || likeliest.log_evidence < others + tuning.plane_ahead {
         return None;
     }
     let (general, plane) = (of_kind(evidence, Kind::General)?, of_kind(evidence, Kind::Plane)?);
@@ -54,7 +48,7 @@ pub(super) fn over_plane(made: &Linearised, evidence: &Evidence, nodes: &[Node])
     for (i, (normal, of_curved)) in found.iter().enumerate() {
         let of_plane = base.distance_and_normal(cells.points[i]).1;
         let [over_plane, over_curved] = [of_plane, *of_curved].map(|n| dot(*normal, n));
-        if over_plane < STEEPEST || over_curved < STEEPEST {
+        if over_plane.min(over_curved) < tuning.plane_steepest {
             return None;
         }
         let known = cells.normals.as_ref().is_some_and(|normals| is_known(normals.variance[i]));

@@ -8,6 +8,7 @@
 //!        these only where the log likelihood of their likeliest surface does so, too
 //! ```
 
+use crate::bodies::Tuning;
 use crate::recognition::contacts::Cells;
 use crate::recognition::discrepancy::DepartureResolution;
 use crate::recognition::equations::slopes;
@@ -21,11 +22,6 @@ use super::node::{Node, highest, likeliest};
 use super::relinearise::{moved, taken, with_normals_believed};
 use palpate_numeric::vector::Vector;
 
-/// Log evidence by which a plane has to be ahead of the curved surface on it. Within it both explain the contacts equally well, and most bodies
-/// are round: without it bumps of 27 contacts have the right class in 0.59 instead of 0.63 of all fits. With more, bumps of 36 contacts would
-/// stay over the curved surface, too.
-const CLEAR: f64 = 2.0;
-
 /// What every look is at.
 #[derive(Clone, Copy)]
 pub(crate) struct SearchContext<'a> {
@@ -33,6 +29,7 @@ pub(crate) struct SearchContext<'a> {
     pub(crate) contacts: &'a [Vector],
     pub(crate) factors: &'a FactorPair<'a>,
     pub(crate) limit: Limit,
+    pub(crate) tuning: &'a Tuning,
 }
 
 /// A look: its equations, their evidence, all nodes.
@@ -89,11 +86,11 @@ impl<'a> SearchContext<'a> {
     /// Equations about a plane under what was chosen; `None` where they are not likelier under its kernel.
     fn over_plane(&self, chosen: &SearchedModel) -> Option<Linearised> {
         let (made, (evidence, nodes)) = chosen;
-        let OverPlane { moved, longer } = over_plane(made, evidence, nodes)?;
+        let OverPlane { moved, longer } = over_plane(made, evidence, nodes, self.tuning)?;
         let flat = taken(made, &moved, self.cells, self.contacts, self.factors, self.limit)?;
         let flat = Linearised { over_plane: Some(longer), ..flat };
         let (_, found) = Evidence::under(self.cells, &flat, &self.factors.positions, self.limit, moved.kernel);
-        (highest(&found) + flat.log_share() > height(chosen) + CLEAR).then_some(flat)
+        (highest(&found) + flat.log_share() > height(chosen) + self.tuning.look_ahead).then_some(flat)
     }
 
     /// Equations with a gain of the normals; `None` where it would explain too little of a surface without departures, nothing of a
@@ -193,14 +190,16 @@ pub(crate) fn likeliest_look<T>(
         // what it leaves to errors that neighbours share beyond those of a contact is a surface that it cannot follow, and a spline may
         let per_cell = at.contacts.len() as f64 / at.cells.points.len() as f64;
         let explains_all = likeliest_node(seen).is_some_and(|node| node.is_displaced() && node.ratio <= per_cell);
-        explains_all && height(seen) > height(&chosen) + CLEAR
+        explains_all && height(seen) > height(&chosen) + at.tuning.look_ahead
     });
     chosen = told.unwrap_or(chosen);
     let is_displaced = likeliest_node(&chosen).is_some_and(Node::is_displaced);
     let is_shape = is_displaced && !may_be_error(chosen.0, &chosen.1.0, &chosen.1.1);
     let flat = if is_shape { at.over_plane(&chosen) } else { None };
-    if let Some(seen) =
-        flat.as_ref().map(|flat| at.see(flat, Look::Second)).filter(|seen| height(seen) > height(&chosen) + CLEAR)
+    if let Some(seen) = flat
+        .as_ref()
+        .map(|flat| at.see(flat, Look::Second))
+        .filter(|seen| height(seen) > height(&chosen) + at.tuning.look_ahead)
     {
         chosen = seen;
     }

@@ -13,6 +13,7 @@
 //! The field lies over axes that rotate with the contacts, so that it does not matter how they were placed. Where it is no
 //! answer there, as on steps that a camera saw from above, the axes of the input are tried.
 
+use crate::bodies::Tuning;
 use crate::recognition::start::thinned;
 use crate::recognition::{Hypothesis, Recognition, RecognitionError, RecognitionOptions};
 use palpate_fitting::fit::FitOptions;
@@ -24,48 +25,6 @@ use super::cross_validated_spline::{FieldChoice, Flexible, flexible};
 use super::line_detail::{ASKED, Offsets};
 use super::named_model_uncertainty::leaves_much_unsaid;
 use super::principal_axes::own_axes;
-use super::short_waves::DEEP;
-
-/// A flexible height field is an answer when its error at left-out contacts is below this share of the relief.
-const PREDICTED: f64 = 0.5;
-
-/// A simple shape that leaves much unsaid is no answer when its misfit is above this share of the patch's size, too. A
-/// sensor's error may be large beside the relief of a flat patch, but not beside the patch's size.
-const OF_LENGTH: f64 = 0.1;
-
-/// Misfit over relief, its p-value, and shared over single errors, from which on a misfit is waves. Depth cameras err by as much together
-/// as alone (0.5 to 1.3 times as much on scans of pipes), and a scan of a golf ball by 57 times as much, but by a seventeenth of the relief.
-const OF_SHAPE: f64 = 2.0;
-const CERTAIN: f64 = 1e-3;
-const OF_SCATTER: f64 = 5.0;
-
-/// Waves too short for the cells leave errors that are not shared by cells. Neighbouring contacts then correlate by more than this, and the
-/// misfit is [`DEEP`].
-const ALIKE: f64 = 0.3;
-
-/// Least cosine of the angle between the simple shape's normal and the axes' z. A height field does not follow a steeper
-/// patch.
-const LEVEL: f64 = 0.7;
-
-/// Spread of the contacts across the patch's own plane, as a share of that along its narrower side, beyond which there is no
-/// one plane: the corner of a room has 0.6, the edge of a box 0.7. Such contacts are several faces, though a field may follow them.
-const FOLDED: f64 = 0.45;
-
-/// Share of the normals that point to either side of the axes' z, clearly so, from which on contacts go round more than a height field does:
-/// a sensor's stray ones are fewer.
-const BACK: f64 = 0.1;
-const CLEARLY: f64 = 0.1;
-
-/// A flexible height field takes the place of the simple shape when its error is below this share of that shape's
-/// misfit.
-const BETTER: f64 = 0.5;
-
-/// Contacts from which on a free surface that follows them is held against a field that follows each of them.
-const AVERAGED_FROM: usize = 400;
-
-/// The field takes its place when its error at left-out contacts is below this share of the surface's misfit at contacts that it follows:
-/// what a surface is off by on the whole need not be a bend.
-const NEARER: f64 = 0.95;
 
 /// What contacts show.
 #[derive(Debug)]
@@ -99,11 +58,12 @@ pub fn shown(
     contacts: impl Fn() -> Contacts,
     request: &FieldRequest,
 ) -> Result<Shown, RecognitionError> {
+    let tuning = &request.recognition.tuning;
     match found {
-        Ok(found) if leaves_much_unsaid(&found) => {
-            match instead(&found, &contacts(), request, (FieldChoice::of, BETTER)) {
+        Ok(found) if leaves_much_unsaid(&found, tuning) => {
+            match instead(&found, &contacts(), request, (FieldChoice::of, tuning.field_better)) {
                 Some(field) => Ok(Shown::Flexible(Box::new(field), Some(Box::new(found)))),
-                None if is_no_answer(&found) => {
+                None if is_no_answer(&found, tuning) => {
                     let strays = found.outliers as f64;
                     let outliers = 100.0 * strays / (strays + found.contacts as f64);
                     Err(RecognitionError::NotOneSheet { misfit: found.misfit.percent_of_relief, outliers })
@@ -111,13 +71,13 @@ pub fn shown(
                 None => Ok(Shown::Simple(Box::new(found))),
             }
         }
-        Ok(found) if found.hypothesis == Hypothesis::Displaced && found.contacts >= AVERAGED_FROM => {
-            Ok(match instead(&found, &contacts(), request, (FieldChoice::of, NEARER)) {
+        Ok(found) if found.hypothesis == Hypothesis::Displaced && found.contacts >= tuning.field_averaged_from => {
+            Ok(match instead(&found, &contacts(), request, (FieldChoice::of, tuning.field_nearer)) {
                 Some(field) => Shown::Flexible(Box::new(field), Some(Box::new(found))),
                 None => Shown::Simple(Box::new(found)),
             })
         }
-        Ok(found) if may_hide_a_line(&found) => Ok(match with_detail(&found, &contacts(), request) {
+        Ok(found) if may_hide_a_line(&found, tuning) => Ok(match with_detail(&found, &contacts(), request) {
             Some(field) => Shown::Detailed(Box::new(field), Box::new(found)),
             None => Shown::Simple(Box::new(found)),
         }),
@@ -129,7 +89,7 @@ pub fn shown(
             let contacts = contacts();
             let field = request.axes(&contacts).into_iter().find_map(|axes| {
                 let field = flexible(&contacts, axes, request.fit).and_then(Result::ok);
-                field.filter(|field| field.error < (PREDICTED * field.relief).min(most))
+                field.filter(|field| field.error < (tuning.field_predicts * field.relief).min(most))
             });
             field.map(|field| Shown::Flexible(Box::new(field), None)).ok_or(error)
         }
@@ -140,52 +100,56 @@ pub fn shown(
 impl FieldRequest<'_> {
     /// The axes to try, one after the other.
     fn axes(&self, contacts: &Contacts) -> Vec<[Vector; 3]> {
+        let tuning = &self.recognition.tuning;
         let over_input = self.gridded || matches!(contacts.orientation, Orientation::Slopes { .. });
         let own = if over_input { None } else { own_axes(contacts, self.recognition) };
-        let own = own.filter(|axes| is_sheet(contacts, axes));
-        own.into_iter().chain([Frame::IDENTITY.axes]).filter(|axes| !goes_back(contacts, axes)).collect()
+        let own = own.filter(|axes| is_sheet(contacts, axes, tuning));
+        own.into_iter().chain([Frame::IDENTITY.axes]).filter(|axes| !goes_back(contacts, axes, tuning)).collect()
     }
 }
 
 /// Whether many normals point to either side of a height field over these axes, as those of a body that was touched all round do.
-fn goes_back(contacts: &Contacts, axes: &[Vector; 3]) -> bool {
+fn goes_back(contacts: &Contacts, axes: &[Vector; 3], tuning: &Tuning) -> bool {
     if !matches!(contacts.orientation, Orientation::Normals { .. }) {
         return false;
     }
+    let [share, clearly] = tuning.field_back;
     let along = (0..contacts.len()).filter_map(|r| Some(dot(contacts.unit_normal(r)?, axes[2])));
     let [up, down] = along.fold([0_usize; 2], |[up, down], cosine| {
-        [up + usize::from(cosine > CLEARLY), down + usize::from(cosine < -CLEARLY)]
+        [up + usize::from(cosine > clearly), down + usize::from(cosine < -clearly)]
     });
-    up.min(down) as f64 > BACK * (up + down) as f64
+    up.min(down) as f64 > share * (up + down) as f64
 }
 
 /// Whether the contacts lie about one plane across the axes' z.
-fn is_sheet(contacts: &Contacts, axes: &[Vector; 3]) -> bool {
+fn is_sheet(contacts: &Contacts, axes: &[Vector; 3], tuning: &Tuning) -> bool {
     let [x, y, z] = axes.map(|axis| {
         let along: Vec<f64> =
             (0..contacts.len()).map(|r| dot(axis, [contacts.x[r], contacts.y[r], contacts.z[r]])).collect();
         standard_deviation(&along)
     });
-    z < FOLDED * x.min(y)
+    z < tuning.field_folded * x.min(y)
 }
 
 /// Whether that is more than any sensor errs.
-fn is_no_answer(found: &Recognition) -> bool {
+fn is_no_answer(found: &Recognition, tuning: &Tuning) -> bool {
     let best = found.tried.iter().find(|t| t.hypothesis == found.hypothesis);
-    best.is_some_and(|t| t.rms > OF_LENGTH * found.frame.scale) || is_waves(found)
+    best.is_some_and(|t| t.rms > tuning.sensor_of_size * found.frame.scale) || is_waves(found, tuning)
 }
 
 /// Whether the misfit outdoes the shape, and neighbours differ from each other by far less: waves or dimples on what is flat on the whole.
-fn is_waves(found: &Recognition) -> bool {
-    let long = found.noise.sd_correlated > OF_SCATTER * found.noise.sd_z;
-    let short = found.misfit.neighbour_correlation > ALIKE && found.noise.sd_z > DEEP * found.frame.scale;
-    found.misfit.percent_of_relief > 100.0 * OF_SHAPE && found.misfit.p < CERTAIN && (long || short)
+fn is_waves(found: &Recognition, tuning: &Tuning) -> bool {
+    let [of_relief, of_scatter, alike] = tuning.waves;
+    let long = found.noise.sd_correlated > of_scatter * found.noise.sd_z;
+    let short = found.misfit.neighbour_correlation > alike && found.noise.sd_z > tuning.deep_waves * found.frame.scale;
+    found.misfit.percent_of_relief > 100.0 * of_relief && found.misfit.p < tuning.pattern_certain && (long || short)
 }
 
 /// Whether enough contacts lie off a simple shape with their neighbours for a line among them to be told.
-fn may_hide_a_line(found: &Recognition) -> bool {
+fn may_hide_a_line(found: &Recognition, tuning: &Tuning) -> bool {
     let is_simple = found.hypothesis != Hypothesis::Displaced && found.surface.body().is_none();
-    is_simple && found.contacts >= AVERAGED_FROM && found.misfit.p < CERTAIN && found.noise.sd_correlated > 0.0
+    let is_told = found.contacts >= tuning.field_averaged_from && found.misfit.p < tuning.pattern_certain;
+    is_simple && is_told && found.noise.sd_correlated > 0.0
 }
 
 /// A field that follows a detail along a line, where there is one.
@@ -221,7 +185,8 @@ fn instead(
     let numbers: Vec<u32> = belonging.iter().map(|(_, r)| *r).collect();
     let those = contacts.in_order(&numbers);
     let up = found.frame.rotate_back([0.0, 0.0, 1.0]);
-    request.axes(&those).into_iter().filter(|axes| dot(axes[2], up).abs() >= LEVEL).find_map(|axes| {
+    let level = request.recognition.tuning.field_level;
+    request.axes(&those).into_iter().filter(|axes| dot(axes[2], up).abs() >= level).find_map(|axes| {
         let field = choice(&those, axes, request.fit)?;
         // errors are along the axes' z and distances along the surface's normal
         if dot(axes[2], up).abs() * field.error >= share * rms {
@@ -259,8 +224,8 @@ mod tests {
             Contacts::from_points(&places).with_normal_vectors(&places)
         };
         let axes = Frame::IDENTITY.axes;
-        assert!(!goes_back(&touched(1.0), &axes));
-        assert!(goes_back(&touched(2.0), &axes));
+        assert!(!goes_back(&touched(1.0), &axes, &Tuning::default()));
+        assert!(goes_back(&touched(2.0), &axes, &Tuning::default()));
     }
 
     /// What a ball of 900 contacts is shown as, with this beside it.

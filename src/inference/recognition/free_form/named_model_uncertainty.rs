@@ -10,6 +10,7 @@
 //! A paraboloid bends less at its edges than the ball or cylinder that was touched, and its residuals need not show that.
 //! The kinds that are recognised do not have this bias in common.
 
+use crate::bodies::Tuning;
 use crate::recognition::{Recognition, RecognitionError, RecognitionOptions};
 use palpate_fitting::fit::{Fit, ModelReading, Reading, richer_reading};
 use palpate_numeric::vector::Vector;
@@ -20,12 +21,6 @@ const MOST_CONTACTS: usize = 5_000;
 
 /// Points of the shape grid each way over which the recognised surface is averaged at most.
 const MOST_POINTS: usize = 16;
-
-/// A simple shape says little when its misfit is above a quarter of the relief (in percent) and has a pattern that is more
-/// than chance. What it says beside a named fit counts until the pattern alone is so large: errors in x and y blur a patch, and
-/// that leaves a slight pattern below much noise.
-const UNSAID: f64 = 25.0;
-const CHANCE: f64 = 0.01;
 
 impl Recognition {
     /// A fit of a named model whose intervals of S and R count that the surface may be of another kind: `u`, intervals and
@@ -78,7 +73,9 @@ fn read(fit: &Fit) -> Result<ModelReading, RecognitionError> {
         ..RecognitionOptions::default()
     };
     let found = Recognition::over(&contacts, &places, &options)?;
-    if leaves_much_unsaid(&found) && pattern_of_relief(&found) > UNSAID {
+    // errors in x and y blur a patch, and that leaves a slight pattern below much noise
+    let is_unsaid = pattern_of_relief(&found) > 100.0 * options.tuning.unsaid_of_relief;
+    if is_unsaid && leaves_much_unsaid(&found, &options.tuning) {
         return unknown("the contacts show no simple shape");
     }
     if found.frame.rotate_back([0.0, 0.0, 1.0])[2] < 0.0 {
@@ -100,8 +97,8 @@ fn reading(found: &Recognition, scale: f64) -> Reading {
 }
 
 /// Whether much of the relief has a pattern that the simple shape leaves unsaid.
-pub(crate) fn leaves_much_unsaid(found: &Recognition) -> bool {
-    found.misfit.percent_of_relief > UNSAID && found.misfit.p < CHANCE
+pub(crate) fn leaves_much_unsaid(found: &Recognition, tuning: &Tuning) -> bool {
+    found.misfit.percent_of_relief > 100.0 * tuning.unsaid_of_relief && found.misfit.p < tuning.pattern_by_chance
 }
 
 /// Root mean square of what neighbouring residuals share, in percent of the relief: their correlation is its part of the square.

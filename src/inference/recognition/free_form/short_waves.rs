@@ -10,19 +10,13 @@
 use palpate_geometry::convex_hull::{convex_hull, turn};
 use palpate_numeric::vector::Vector;
 
+use crate::bodies::Tuning;
 use crate::recognition::{Recognition, Remark};
 
-/// Scatter of contacts, a share of the patch's size, that no sensor of a flat patch errs by.
-pub(super) const DEEP: f64 = 0.03;
-
-/// Misfit over relief, percent, from which on the bend may be that of the waves: a patch that bends by more than twice what it scatters has a
-/// shape of its own, whatever lies between its contacts.
-const AS_THE_BEND: f64 = 50.0;
-
 /// A patch with the remark how short waves may be that its contacts show, where their scatter may be such waves.
-pub(crate) fn beside_short_waves(mut found: Recognition, points: &[Vector]) -> Recognition {
-    let is_deep = found.noise.sd_of_contact() > DEEP * found.frame.scale;
-    if is_deep && found.misfit.percent_of_relief > AS_THE_BEND {
+pub(crate) fn beside_short_waves(mut found: Recognition, points: &[Vector], tuning: &Tuning) -> Recognition {
+    let is_deep = found.noise.sd_of_contact() > tuning.deep_waves * found.frame.scale;
+    if is_deep && found.misfit.percent_of_relief > 100.0 * tuning.bend_of_waves {
         let length = shortest_wave(&found, points);
         found.notes.push(Remark::ShorterWaves { length });
     }

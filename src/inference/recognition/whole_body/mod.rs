@@ -265,7 +265,7 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
     }
     let set_aside = found.outliers.max(found.normals_against) as f64 > tuning.doubtful * count;
     let contradicted = found.normals == NormalsUse::Contradicting;
-    if set_aside || contradicted || leaves_much_unsaid(found) || has_two_peaks(found, given, tuning) {
+    if set_aside || contradicted || leaves_much_unsaid(found, tuning) || has_two_peaks(found, given, tuning) {
         return PatchDoubt::Slight;
     }
     let bends = matches!(
