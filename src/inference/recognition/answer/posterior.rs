@@ -37,7 +37,7 @@ use palpate_numeric::statistics::standard_deviation;
 use palpate_numeric::threads;
 
 use super::kept_draws::kept_draws;
-use super::posterior_samples::{Drawn, Quantity, classes, interval_of, pointwise, within_deg};
+use super::posterior_samples::{Drawn, ShapeQuantity, classes, interval_of, pointwise, within_deg};
 use super::shape_means::{Field, Points};
 use super::weights::Weights;
 
@@ -253,7 +253,8 @@ pub(super) fn summary(
         let sum: f64 = chosen.iter().map(|d| d.weights[0]).sum();
         let mean = chosen.iter().map(|d| d.weights[0] * pick(&d.likeliest)).sum::<f64>() / sum;
         // S and R are not linear in the surface, and the mean of the draws may lie beside the likeliest value
-        let quantity = if curved { Quantity::ShapeIndex } else { Quantity::Curvedness { heard: options.tuning.heard } };
+        let quantity =
+            if curved { ShapeQuantity::ShapeIndex } else { ShapeQuantity::Curvedness { heard: options.tuning.heard } };
         let [lo, hi] = interval_of(&chosen, pick, level, quantity)?;
         // rounding may put an end on the wrong side of an exact mean, which the interval would then miss
         let interval = [lo.min(mean), hi.max(mean)];

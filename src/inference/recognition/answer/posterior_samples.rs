@@ -62,7 +62,7 @@ impl Mirrored {
 
 /// What an interval is of.
 #[derive(Clone, Copy)]
-pub(super) enum Quantity {
+pub(super) enum ShapeQuantity {
     ShapeIndex,
     /// With the share of natural departures in the estimate from which on the interval holds theirs.
     Curvedness {
@@ -81,17 +81,17 @@ pub(super) fn interval_of(
     found: &[&Drawn],
     pick: fn(&Field) -> f64,
     level: f64,
-    quantity: Quantity,
+    quantity: ShapeQuantity,
 ) -> Option<[f64; 2]> {
     let (range, other) = match quantity {
-        Quantity::ShapeIndex => ([-1.0, 1.0], Mirrored::None),
-        Quantity::Curvedness { .. } => ([0.0, f64::INFINITY], Mirrored::AllButSmooth),
+        ShapeQuantity::ShapeIndex => ([-1.0, 1.0], Mirrored::None),
+        ShapeQuantity::Curvedness { .. } => ([0.0, f64::INFINITY], Mirrored::AllButSmooth),
     };
     let of_interval = |drawn: &Drawn| drawn.weights[1];
     let [lo, hi] = quantiles(found, pick, level, other, range, of_interval)?;
     let [low, high] = quantiles(found, pick, level, Mirrored::Displaced, range, of_interval)?;
     let mut ends = [lo.min(low), hi.max(high)];
-    let Quantity::Curvedness { heard } = quantity else { return Some(ends) };
+    let ShapeQuantity::Curvedness { heard } = quantity else { return Some(ends) };
     let mut hold = |own: Option<[f64; 2]>| {
         if let Some([lo, hi]) = own {
             ends = [ends[0].min(lo), ends[1].max(hi)];
