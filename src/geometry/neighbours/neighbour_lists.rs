@@ -5,8 +5,7 @@
 //! the N neighbours of another point q of the leaf are within r + |q - p| of q, and so within r + 2 |q - p| of p
 //! ```
 //!
-//! So one search about the middle finds what all points of a leaf choose from: a fifth less time
-//! than a search for each takes, where points are in the order of space.
+//! So one search about the middle finds what all points of a leaf choose from.
 
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, norm};
@@ -23,7 +22,7 @@ const ROUND: usize = 4096;
 /// of what is found about the middle are neighbours of a point.
 const WIDE: f64 = 2.0;
 
-/// Distances are rounded by less than this share.
+/// Factor by which a bound is widened: distances are rounded by less.
 const ROUNDING: f64 = 1.0 + 1e-12;
 
 /// Of every point the `N` nearest others, nearest first. Where there are fewer, a point is its own last neighbours.

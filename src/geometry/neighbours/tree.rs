@@ -145,22 +145,20 @@ impl<'a> Neighbours<'a> {
 
     /// Numbers of the `k` points nearest to `place`, nearest first; a point of the tree finds itself.
     pub fn nearest(&self, place: Vector, k: usize) -> Vec<Near> {
-        if k == 0 {
-            return Vec::new();
-        }
-        let mut found = Found::new(k);
-        self.visit(place, (0, 0, self.leaves.len()), [0.0; 3], &mut found);
-        found.sorted()
+        self.found(place, k).sorted()
     }
 
     /// The same in no order, which saves sorting many: where the tree is the same, so is this.
     pub fn nearest_unordered(&self, place: Vector, k: usize) -> Vec<Near> {
-        if k == 0 {
-            return Vec::new();
-        }
+        self.found(place, k).unordered()
+    }
+
+    fn found(&self, place: Vector, k: usize) -> Found {
         let mut found = Found::new(k);
-        self.visit(place, (0, 0, self.leaves.len()), [0.0; 3], &mut found);
-        found.unordered()
+        if k > 0 {
+            self.visit(place, (0, 0, self.leaves.len()), [0.0; 3], &mut found);
+        }
+        found
     }
 
     /// Points with their numbers, leaf by leaf.

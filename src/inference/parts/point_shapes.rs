@@ -30,7 +30,8 @@ use palpate_numeric::vector::Vector;
 /// Points along the curve whose jets may serve each other.
 const BLOCK: usize = 512;
 
-/// Weight of a neighbour that is on the same side of the body, and no farther than that.
+/// Weight from which on a neighbour is wholly on the point's side of the body: within a quarter of the radius its distance takes less than a
+/// hundredth of it, and a normal that begins to turn away takes the rest.
 const FULL: f64 = 0.9;
 
 /// Shape at each input point, in the order and unit of the input; what a point's neighbours leave open is not a number.

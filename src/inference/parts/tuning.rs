@@ -101,7 +101,7 @@ pub struct PartsTuning {
     /// Points whose neighbourhoods are asked for that: noise and bend are then known to some 3 %, which moves no answer by a tenth of its u.
     pub jet_asked: usize,
     /// Distance from a point up to which its surface tells S and R of others, over that of its farthest neighbour. A surface is known nearly
-    /// as well there as in its middle. With a half, errors of S grow by up to a tenth, for a tenth of the time.
+    /// as well there as in its middle. With a half, errors of S grow by up to a tenth, and a tenth of the time is saved.
     pub jet_serves: f64,
     /// Variance that orders which the surface lacks add there, over that of noise: a tenth of it lengthens u by a twentieth.
     pub jet_serves_misfit: f64,
