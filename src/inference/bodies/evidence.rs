@@ -68,7 +68,7 @@ impl<'a> LinearisedBase<'a> {
     pub(super) fn new(mode: &Mode, sample: &'a BodySample, tuning: &Tuning) -> LinearisedBase<'a> {
         let (members, primitive) = (mode.members(), mode.primitive);
         let base = BaseRows::new(&primitive, DepartureOver::Feet, &members, sample);
-        let prior = log_prior(&primitive);
+        let prior = log_prior(&primitive, tuning);
         let moving = primitive.kind.free();
         LinearisedBase::of_rows(&base, primitive, (moving, prior), mode, sample, tuning)
     }
@@ -178,7 +178,7 @@ impl<'a> LinearisedBase<'a> {
     /// The same about a primitive moved by a node's step.
     pub(super) fn moved(self, step: &[f64], tuning: &Tuning) -> LinearisedBase<'a> {
         let primitive = moved(&self.primitive, self.moving, step).about([0.0; 3]);
-        let constant = self.constant - log_prior(&self.primitive) + log_prior(&primitive);
+        let constant = self.constant - log_prior(&self.primitive, tuning) + log_prior(&primitive, tuning);
         let plain = BaseRows::new(&primitive, DepartureOver::Feet, &self.members, self.sample).grams();
         let widths = widths(&primitive);
         LinearisedBase { primitive, constant, plain, widths, ..self }.departing(tuning)
@@ -186,8 +186,8 @@ impl<'a> LinearisedBase<'a> {
 
     /// ln p of what the contacts left out add; of none of them false, the prior of that alone.
     #[cfg(test)]
-    pub(super) fn of_no_false(&self) -> f64 {
-        self.constant - log_prior(&self.primitive)
+    pub(super) fn of_no_false(&self, tuning: &Tuning) -> f64 {
+        self.constant - log_prior(&self.primitive, tuning)
     }
 
     /// The primitive drawn by independent gaussians of one.

@@ -16,15 +16,10 @@ use palpate_numeric::vector::{Vector, along, axes_along, unit};
 use rand_distr::{Distribution, StandardNormal};
 
 use super::surface_reading::SurfaceReading;
+use super::tuning::Tuning;
 
 /// The neighbours of a contact to which pairs are formed: the nearest, and one a few contacts farther.
 const RANKS: [usize; 2] = [1, 6];
-
-/// Contacts from which on such a field is looked for: a correlation of a half is then certain.
-const FEWEST_CONTACTS: usize = 40;
-
-/// Standard deviations of a correlation of chance above which it is one.
-const CERTAIN: f64 = 4.0;
 
 /// What a surface leaves, in units of the sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +33,8 @@ pub(crate) struct FinerShape {
 impl FinerShape {
     /// Of the distances of contacts from the surface, and their feet on it: in space contacts that err alike lie nearer to each other. `None`
     /// where they lie off it each for itself.
-    pub(crate) fn beside(off: &[f64], feet: &[Vector]) -> Option<FinerShape> {
-        if feet.len() < FEWEST_CONTACTS {
+    pub(crate) fn beside(off: &[f64], feet: &[Vector], tuning: &Tuning) -> Option<FinerShape> {
+        if feet.len() < tuning.finer_from {
             return None;
         }
         let tree = Neighbours::new(feet);
@@ -52,7 +47,7 @@ impl FinerShape {
         });
         let square = off.iter().map(|r| r * r).sum::<f64>() / off.len() as f64;
         // two contacts that are next to each other make one pair twice
-        if near.0 <= CERTAIN * square * (2.0 / feet.len() as f64).sqrt() {
+        if near.0 <= tuning.finer_certain * square * (2.0 / feet.len() as f64).sqrt() {
             return None;
         }
         // where the farther pairs have no correlation left, it ends between both
@@ -103,7 +98,7 @@ mod tests {
             (height * sum * (2.0 / waves.len() as f64).sqrt() + noise * gaussian(), [x, y, 0.0])
         });
         let (off, feet): (Vec<f64>, Vec<Vector>) = contacts.unzip();
-        FinerShape::beside(&off, &feet)
+        FinerShape::beside(&off, &feet, &Tuning::default())
     }
 
     #[test]

@@ -128,10 +128,10 @@ impl DrawnBase {
     }
 
     /// The shape that contacts show beside it.
-    pub(crate) fn finer_shape(&self, contacts: &[Vector]) -> Option<FinerShape> {
+    pub(crate) fn finer_shape(&self, contacts: &[Vector], tuning: &Tuning) -> Option<FinerShape> {
         let off: Vec<f64> = contacts.iter().map(|p| self.distance(*p)).collect();
         let feet: Vec<Vector> = contacts.iter().map(|p| self.over(*p).0).collect();
-        FinerShape::beside(&off, &feet)
+        FinerShape::beside(&off, &feet, tuning)
     }
 
     /// Whether it departs from its primitive.

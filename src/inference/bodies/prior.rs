@@ -6,18 +6,19 @@
 //! p(direction) = 1/(4 pi)            which of its places does; of an axis 1/(2 pi)
 //! p(k) = 2 / (pi (1 + k^2))          half Cauchy: half of all radii lie beyond the contacts' size
 //! p(angle of a cone) = 1/pi          -90 to 90 degrees
-//! p(ln a, ln b, ln c) about their mean: gaussian, 0.35 in two directions            half axes of an ellipsoid; its mean as a radius
+//! p(ln a, ln b, ln c) about their mean: gaussian, `Tuning::half_axes` in two directions    of an ellipsoid; its mean as a radius
 //! sphere    dh domega dk = dc dr / (|c|^2 r^2)        1 + |c|^2 in place of |c|^2 keeps it finite where c is the middle
 //! ```
 
 use std::f64::consts::PI;
 
 use super::coordinates::DepartureOver;
+use super::tuning::Tuning;
 use crate::primitives::placed::{MOST_UNKNOWNS, PartKind, Primitive};
 use palpate_numeric::vector::dot;
 
 /// Log density of a primitive by `tau omega sizes`, as far as its kind has them.
-pub(super) fn log_prior(primitive: &Primitive) -> f64 {
+pub(super) fn log_prior(primitive: &Primitive, tuning: &Tuning) -> f64 {
     let c = primitive.origin;
     let height = 0.5_f64.ln();
     let axis = -(2.0 * PI).ln();
@@ -34,7 +35,8 @@ pub(super) fn log_prior(primitive: &Primitive) -> f64 {
         PartKind::Cone => height + axis + around_axis + radius(one) - PI.ln(),
         PartKind::Torus => height + around_point + axis + radius(one) + radius(two),
         PartKind::Ellipsoid => {
-            height + around_point + orientation() + half_axes([one, two, three]) + radius_of(primitive)
+            let of_shape = half_axes([one, two, three], tuning.half_axes);
+            height + around_point + orientation() + of_shape + radius_of(primitive)
         }
     }
 }
@@ -56,17 +58,15 @@ fn orientation() -> f64 {
     (24.0 / (8.0 * PI * PI)).ln()
 }
 
-/// Standard deviation of the logarithms of an ellipsoid's half axes about their mean, in two directions across it.
-const SHAPES: f64 = 0.35;
-
-/// Log density of three half axes given their geometric mean r, by the half axes: gaussian in the two differences of the logarithms.
-fn half_axes(sizes: [f64; 3]) -> f64 {
+/// Log density of three half axes given their geometric mean r, by the half axes: gaussian in the two differences of the logarithms, each
+/// with this standard deviation.
+fn half_axes(sizes: [f64; 3], sd: f64) -> f64 {
     let logs = sizes.map(f64::ln);
     let mean = logs.iter().sum::<f64>() / 3.0;
     let square: f64 = logs.iter().map(|l| (l - mean).powi(2)).sum();
     // d(ln r) = d(sum of the logs)/3, which is 1/sqrt 3 of an orthonormal coordinate; r's own density is by r
     let jacobian = mean - 0.5 * 3.0_f64.ln() - logs.iter().sum::<f64>();
-    -(2.0 * PI * SHAPES * SHAPES).ln() - 0.5 * square / (SHAPES * SHAPES) + jacobian
+    -(2.0 * PI * sd * sd).ln() - 0.5 * square / (sd * sd) + jacobian
 }
 
 /// Log density of the geometric mean of an ellipsoid's half axes, as of a radius.

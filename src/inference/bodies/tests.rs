@@ -65,7 +65,7 @@ fn by_integration(sample: &BodySample, start: &Primitive, tuning: &Tuning, gener
     let likelihood = |primitive: &Primitive| {
         let sum: f64 = sample.points.iter().map(|p| primitive.nearest(*p).0.powi(2)).sum();
         let half = 0.5 * sample.len() as f64;
-        ln_gamma(half) - half * (std::f64::consts::PI * sum).ln() + log_prior(primitive)
+        ln_gamma(half) - half * (std::f64::consts::PI * sum).ln() + log_prior(primitive, tuning)
     };
     let root = node.lower_determinant();
     let mut logs: Vec<f64> = Vec::new();
@@ -93,7 +93,8 @@ fn evidence_is_that_of_integration() {
         let found = modes(&sample, &tuning);
         let mode = found.iter().find(|m| m.primitive.kind == kind && m.strays == FalseContacts::None).unwrap();
         let linearised = LinearisedBase::new(mode, &sample, &tuning);
-        let laplace = linearised.without_departure(&tuning).unwrap() - tuning.exact.ln() - linearised.of_no_false();
+        let laplace =
+            linearised.without_departure(&tuning).unwrap() - tuning.exact.ln() - linearised.of_no_false(&tuning);
         let integral = by_integration(&sample, &truth, &tuning, &mut generator);
         assert!((laplace - integral).abs() < 0.05, "{kind:?} of {count}: {laplace} for {integral}");
     }

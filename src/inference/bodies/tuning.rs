@@ -1,9 +1,10 @@
-//! The settings that decide about bodies, how surfaces that explain a patch share its answer, and when a free height field is one, each with
-//! its default and where that comes from.
+//! The settings that decide about bodies, how a patch is begun, how contacts and normals may err, how surfaces that explain a patch share
+//! its answer, and when a free height field is one, each with its default and where that comes from.
 
 use std::f64::consts::{E, PI};
 
-/// What decides how contacts of whole or strongly bent bodies are judged, and how hypotheses about a patch are weighed. The defaults serve a user who names nothing.
+/// What decides how contacts of whole or strongly bent bodies are judged, how the contacts of a patch and their errors are read, and how
+/// hypotheses about it are weighed. The defaults serve a user who names nothing.
 ///
 /// ```
 /// use palpate_inference::facade::recognition::Tuning;
@@ -105,7 +106,7 @@ pub struct Tuning {
     pub most_contacts: usize,
     /// Places that carry a departure at most.
     pub most_features: usize,
-    /// Surfaces that are drawn from the posterior.
+    /// Surfaces that are drawn from the posterior, of a body or of all kinds that explain a patch.
     pub draws: usize,
     /// Contacts among which modes are searched; the best of every kind is then followed over all.
     pub searched: usize,
@@ -169,7 +170,8 @@ pub struct Tuning {
     pub normals_agree: f64,
     /// Scatter of normals, radians, from which on they tell nothing.
     pub random_normals: f64,
-    /// Posterior probability of a departure from which on it is spoken of, and of one thing up to which several are.
+    /// Posterior probability of a departure from which on it is spoken of, of one thing up to which several are, and of errors of places that
+    /// are larger across z than along it from which on they count as shown.
     pub certain: f64,
     /// A gap between contacts round a body, degrees, that is no gap of its map.
     pub no_gap_deg: f64,
@@ -278,6 +280,133 @@ pub struct Tuning {
     /// Share of the normals on either side of a field from which on contacts go round more than it does, and the cosine that is clearly on a
     /// side: a sensor's stray ones are fewer.
     pub field_back: [f64; 2],
+    /// Factor of the least error at contacts left out up to which a coarser field predicts as well, and is taken.
+    pub field_as_good: f64,
+    /// Factor by which that error must have risen above the least for finer fields to follow noise, so that they are not tried, and share of
+    /// the relief below which the least must be: above it nothing has been predicted yet, and finer fields are tried all the same.
+    pub field_risen: [f64; 2],
+    /// Contacts for every unknown of a field at least: where blocks are left out, where single contacts are, and of a smoothed field, whose cost
+    /// tells what contacts do not.
+    pub field_per_unknown: [f64; 3],
+    /// Difference of heights between contacts over nearly the same place, in units of the relief, above which they lie on several sheets: two
+    /// that go round a body differ by as much as the relief, and no field comes nearer to both.
+    pub field_sheets: f64,
+    /// Pairs of contacts from which on it is asked how errors of places across z compare to those along it. Fewer lie so far apart that the
+    /// shape's departure differs between them.
+    pub place_pairs: usize,
+    /// Prior probability of a ratio of their variances that is neither 0 nor 1, over that of those two.
+    pub other_ratio: f64,
+    /// Mean square of the normals' z below which a patch stands upright, and ratios below 1 are not asked for.
+    pub stands_upright: f64,
+    /// Share of the scale of distances from the surface below which differences between neighbours are no errors of single contacts, but how
+    /// errors that neighbours share, or a departure, change from one to the next.
+    pub single_errors: f64,
+    /// Multiple of the scale of differences between neighbours beyond which one is a blunder.
+    pub place_blunder: f64,
+    /// Log odds against a sensor whose normals are all turned by one angle, or all too steep by one factor: one in twenty.
+    pub rare_error: f64,
+    /// Cells from which on positions tell a surface by themselves, and such an error is asked for: twice the unknowns of the general surface.
+    /// Five touches whose heights hardly bend had a gain that turned a cap into a cup.
+    pub rare_error_from: usize,
+    /// Prior standard deviation of either angle that all normals may be turned by, at most, in radians: three degrees, as of what is mounted by
+    /// eye. Eight are found as well, for contacts tell an angle to a tenth of that. And the same over the scatter of normals: those that err by
+    /// 0.4 degrees may be turned by three. A sensor whose normals are exact is not askew: positions would then have to say how the patch lies,
+    /// and what a step between the two leaves is more than such normals err by.
+    pub tilt: [f64; 2],
+    /// Prior standard deviation of the gain, by which all slopes are too steep. Slopes that are wrong by half are within 2.5 of it; for precise
+    /// normals its size hardly counts.
+    pub gain: f64,
+    /// Multiple of that up to which a gain is believed. On a plane whose normals lean by an angle of their own "95 % flatter" would say it.
+    pub most_gains: f64,
+    /// Share of the relief, and multiple of the differences between nearest contacts, that errors which neighbours share may be as large as.
+    pub shared_up_to: [f64; 2],
+    /// Multiple of the larger of both beyond which such errors are not considered.
+    pub shared_beyond: f64,
+    /// Length of the mean normal below which contacts go round more than half a body and are no patch: half a cylinder has 0.64, half a ball 0.5.
+    pub round_patch: f64,
+    /// Share of outliers above which the contacts of a patch are several things, not one with a few errors.
+    pub most_outliers: f64,
+    /// Share of the contacts off a surface of constant curvatures that a smooth departure has to explain for them to belong. Where it explains
+    /// fewer, something else lies beside the surface, as the shoulders beside a bullet's land, and what a departure takes of that is no shape.
+    pub taken_back: f64,
+    /// Contacts from which on that is asked: of fewer, a departure of third and fourth degree would follow any.
+    pub taken_back_from: usize,
+    /// Contacts from which on outliers of a patch are set aside: six parameters leave too few of fewer to tell what single ones scatter by, and a
+    /// third of the patches that were touched at 7 to 10 places were refused.
+    pub outliers_from: usize,
+    /// Median error of the normals, radians, below which they contradict nothing, and the multiple of what another surface leaves of it
+    /// above which they contradict the surface that positions found.
+    pub normals_lean: [f64; 2],
+    /// Factor by which that other surface may lie farther from the positions.
+    pub told_as_near: f64,
+    /// Error of a position over that of a normal, in radians, that is supposed before either is known: 0.05 mm over a patch of 5 mm, beside 3
+    /// degrees.
+    pub place_over_normal: f64,
+    /// Log evidence by which departures must be behind the kinds without one, to be asked under two covariances alone. Estimates hardly move by
+    /// it (`benches/runs/coverage.md`); more would ask all 25 of most balls and bars, for a share that the estimate does not see.
+    pub outdone: f64,
+    /// Probability of a departure from which on the equations are placed again, about the surface that departs.
+    pub second_look: f64,
+    /// Share of the changes from which on they are placed once more, where a body is the likeliest surface: it has no prior that would hide what
+    /// a step leaves. R of an ellipsoid that is touched precisely, 9 by 6 by 5 under a patch of 8 by 8, is inside in 94 instead of 81 of 100
+    /// fits; elsewhere it would cost a fifth more time.
+    pub nearer_body: f64,
+    /// Log evidence by which a body in the form that is nearest to the likeliest surface may be behind that, to be asked in a nearer form.
+    pub hopeless_form: f64,
+    /// Contacts below which normals count little for the errors of positions.
+    pub few_positions: usize,
+    /// Share by which they then count: with all of them, intervals of R hold the truth in 88 to 93 of 100 patches of 4 to 8 contacts.
+    pub normals_of_few: f64,
+    /// Degrees of freedom that the errors of few positions have from those of the normals.
+    pub supposed_freedom: f64,
+    /// Length of the mean normal above which it tells the direction that a patch faces.
+    pub tells_up: f64,
+    /// Spread across over spread along below which the contacts of a patch are on one line: one finger's path, whose sideways errors say
+    /// nothing of the bend across it. Three paths a tenth of their length apart have 0.08.
+    pub thin_patch: f64,
+    /// Contacts beyond which it is asked whether normals were computed from the positions. Fewer are touches, whose normals a sensor gave.
+    pub derived_from: usize,
+    /// Correlation above which they were: seven scans have 0.34 to 0.86; measured normals have 0.06 and less, with a scatter of 0.07 where 200
+    /// contacts are asked. And the share of how planes through neighbours turn that errors of the positions must explain, for that to be told
+    /// from the bend of the shape: scans have 0.25 to 1.7, 300 measured normals on bodies whose places err by up to 0.3 % of their size hardly
+    /// any. Where places err by 1.5 %, such measured normals have 0.2 to 0.7 as well, and are not told from derived ones by it.
+    pub normals_derived: [f64; 2],
+    /// Cosine below which a normal contradicts the surface: 60 degrees off.
+    pub normal_against: f64,
+    /// Contacts in a cell, on the mean, up to which it is asked how they scatter within it: by more of them a mean is known to less than a tenth
+    /// of a contact's error, which the splines of a departure do not follow, and a bound that low sends the search to other errors instead. An
+    /// image of 640 x 480 with slopes had S off by twice as much with it, one of 160 x 120 by less.
+    pub crowded_cells: f64,
+    /// Degrees of freedom from which on that scatter is told: to a twentieth.
+    pub scatter_freedom: f64,
+    /// Ratio of the variances that planes and quadrics leave up to which cells bend by less than contacts scatter.
+    pub bent_cells: f64,
+    /// Least eigenvalue below which places lie on a conic, whose heights do not tell a bend. Three by three touches have 0.13, a ring that is
+    /// wide by a tenth of its radius 2e-3, one whose touches scatter by a hundredth of it 2e-4: what the latter tell of the bend is what they
+    /// err by.
+    pub on_conic: f64,
+    /// Surfaces that are drawn of a body that may explain a patch and whose own interval is asked for.
+    pub heard_draws: usize,
+    /// Share of a patch's draws that touches are predicted on: 128 of 400. With all of them a look takes three times as long, and u(R) after 60
+    /// touches is a tenth smaller on balls and the same on other bodies (`benches/runs/explore.md`).
+    pub draws_touched: f64,
+    /// Standard uncertainty of S, and of R relative to it, that splines leave of a departure and of a body however precise the contacts are:
+    /// five segments hold a bump or a wave over the patch no better. R of 196 touches with hardly any noise (1e-6 of the relief) is 0.0005 too
+    /// large, and S of a bump 0.001 too small. Bodies they hold better: S and R of an ellipsoid of half axes 9, 6 and 5 that is touched without
+    /// noise over 8 by 8 are off by 6e-5 and 7e-5.
+    pub left_by_splines: [f64; 2],
+    /// Growth from one distance between neighbours to the next longer one that tells repeats of a site from its neighbours: repeats differ by
+    /// noise, sites by the step of the finger. Along a finger and across fingers the steps differ less.
+    pub site_from_repeats: f64,
+    /// Share of the reach of contacts by which a point of a patch's map may lie outside their outline. Errors move the contacts on the outline
+    /// by less than their distance from each other, and the edge of an even grid would otherwise be inside here and outside there.
+    pub beyond_outline: f64,
+    /// Prior standard deviation of the logarithms of an ellipsoid's half axes about their mean, in two directions across it.
+    pub half_axes: f64,
+    /// Contacts from which on shape is looked for that is finer than a free surface follows: a correlation of a half is then certain.
+    pub finer_from: usize,
+    /// Standard deviations of a correlation of chance above which what contacts lie off such a surface is finer shape.
+    pub finer_certain: f64,
 }
 
 impl Default for Tuning {
@@ -394,6 +523,54 @@ impl Default for Tuning {
             field_level: 0.7,
             field_folded: 0.45,
             field_back: [0.1, 0.1],
+            field_as_good: 1.05,
+            field_risen: [1.5, 0.5],
+            field_per_unknown: [3.0, 1.3, 1.0],
+            field_sheets: 0.7,
+            place_pairs: 100,
+            other_ratio: 1.0 / 8.0,
+            stands_upright: 0.5,
+            single_errors: 0.5,
+            place_blunder: 6.0,
+            rare_error: 3.0,
+            rare_error_from: 12,
+            tilt: [0.05, 8.0],
+            gain: 0.2,
+            most_gains: 3.0,
+            shared_up_to: [0.1, 2.0],
+            shared_beyond: 1.5,
+            round_patch: 0.3,
+            most_outliers: 0.25,
+            taken_back: 0.75,
+            taken_back_from: 18,
+            outliers_from: 12,
+            normals_lean: [5e-3, 3.0],
+            told_as_near: 2.0,
+            place_over_normal: 0.2,
+            outdone: 5.0,
+            second_look: 0.05,
+            nearer_body: 0.1,
+            hopeless_form: 16.0,
+            few_positions: 12,
+            normals_of_few: 0.25,
+            supposed_freedom: 1.0,
+            tells_up: 0.3,
+            thin_patch: 0.03,
+            derived_from: 200,
+            normals_derived: [0.25, 0.1],
+            normal_against: 0.5,
+            crowded_cells: 100.0,
+            scatter_freedom: 200.0,
+            bent_cells: 2.0,
+            on_conic: 1e-3,
+            heard_draws: 100,
+            draws_touched: 0.32,
+            left_by_splines: [5e-4, 1e-4],
+            site_from_repeats: 5.0,
+            beyond_outline: 0.03,
+            half_axes: 0.35,
+            finer_from: 40,
+            finer_certain: 4.0,
         }
     }
 }

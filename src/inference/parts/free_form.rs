@@ -11,7 +11,7 @@
 
 use super::cloud::Cloud;
 use super::hypothesis::sampled;
-use crate::recognition::{FieldChoice, RecognitionOptions, flexible, own_axes};
+use crate::recognition::{FieldChoice, RecognitionOptions, Tuning, flexible, own_axes};
 use palpate_fitting::fit::{Fit, FitOptions, Smooth, Statistic, fit_contacts_over};
 use palpate_geometry::contact::Contacts;
 use palpate_numeric::vector::{Vector, norm};
@@ -51,7 +51,7 @@ const RICH_CONTACTS: usize = 3000;
 pub(super) fn free_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
     let (contacts, axes) = one_sided(cloud, members, usize::MAX)?;
     let options = FitOptions::default();
-    let fit = match flexible(&contacts, axes, &options) {
+    let fit = match flexible(&contacts, axes, &options, &Tuning::default()) {
         Some(field) => field.ok().filter(|field| field.error < PREDICTED * field.relief)?.fit,
         None => fit_contacts_over(&contacts, axes, &options).ok()?,
     };
@@ -62,7 +62,7 @@ pub(super) fn free_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
 pub(super) fn predicted(cloud: &Cloud, most: usize) -> Option<f64> {
     let all: Vec<u32> = (0..cloud.len() as u32).collect();
     let (contacts, axes) = one_sided(cloud, &all, most)?;
-    let field = FieldChoice::of(&contacts, axes, &FitOptions::default())?;
+    let field = FieldChoice::of(&contacts, axes, &FitOptions::default(), &Tuning::default())?;
     (field.error < PREDICTED * field.relief).then_some(field.error)
 }
 

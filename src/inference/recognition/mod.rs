@@ -152,15 +152,16 @@ fn recognise_patch(
     asked: &RequestedPlaces,
     options: &RecognitionOptions,
 ) -> Result<Recognition, RecognitionError> {
+    let tuning = &options.tuning;
     let mut patch = start::Patch::new(given, options)?;
     let nearest = patch.nearest();
-    let errors = noise::PlaceErrors::of(&patch, &nearest, options.sigma_xy);
-    let mut cells = noise::weighed(patch.cells(), &patch, &errors);
+    let errors = noise::PlaceErrors::of(&patch, &nearest, options.sigma_xy, tuning);
+    let mut cells = noise::weighed(patch.cells(tuning), &patch, &errors);
     let doubt_of_places = noise::set_back(&mut cells, &mut patch.points, &patch.feet, (&errors, &patch.frame));
-    let models = patch.fitted(&cells);
+    let models = patch.fitted(&cells, tuning);
     let relief = start::relief(&cells, &models);
     let distances = noise::distances_between(&cells);
-    let limit = noise::Limit::new(&nearest, &patch.distances, relief);
+    let limit = noise::Limit::new(&nearest, &patch.distances, relief, tuning);
     let factors = evidence::FactorPair::new(&cells, &distances);
     let plain = Linearised::new(&cells, &patch.points, models, &factors);
     let misfit = |models: &[Model], kind: Kind| {
@@ -168,13 +169,12 @@ fn recognise_patch(
         models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)
     };
     let contacts_per_cell = patch.points.len() as f64 / cells.points.len() as f64;
-    let at =
-        SearchContext { cells: &cells, contacts: &patch.points, factors: &factors, limit, tuning: &options.tuning };
+    let at = SearchContext { cells: &cells, contacts: &patch.points, factors: &factors, limit, tuning };
     let weigh = |linearised: &Linearised, evidence: &Evidence, nodes: &[Node]| {
         // a plane that a body stands over misfits it whatever the body is
         let models = if linearised.over_plane.is_some() { &plain.models } else { &linearised.models };
         let misfit = |kind| misfit(models, kind);
-        answer::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, misfit, &options.tuning)
+        answer::weigh(evidence, &linearised.rows, nodes, relief, contacts_per_cell, misfit, tuning)
     };
     let may_be_error = |linearised: &Linearised, evidence: &Evidence, nodes: &[Node]| {
         weigh(linearised, evidence, nodes).displacement_may_be_error()

@@ -7,7 +7,7 @@ use palpate_numeric::vector::{Vector, cross, dot, unit};
 
 use super::discrepancy::Forms;
 use super::equations::Moved;
-use super::evidence::{Evidence, FactorPair, Linearised, Look};
+use super::evidence::{Evidence, FactorPair, Linearised, Look, SearchContext};
 use super::kinds::ConstantCurvature;
 use super::noise::Limit;
 use super::start::{Patch, relief};
@@ -273,10 +273,10 @@ fn a_moved_surface_without_a_chart_leaves_the_first_look() {
     let options = RecognitionOptions::default();
     let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
     let patch = Patch::new(&Observations::from_contacts(&contacts, &options).unwrap(), &options).unwrap();
-    let cells = patch.cells();
+    let cells = patch.cells(&options.tuning);
     let distances = noise::distances_between(&cells);
     let factors = FactorPair::new(&cells, &distances);
-    let plain = Linearised::new(&cells, &patch.points, patch.fitted(&cells), &factors);
+    let plain = Linearised::new(&cells, &patch.points, patch.fitted(&cells, &options.tuning), &factors);
     let moved = |k: f64| {
         let base = ConstantCurvature::new([0.0, 0.0, 0.0, k, k, 0.0]);
         let moved = Moved {
@@ -380,13 +380,15 @@ fn smooth_surfaces_are_told_from_creased_ones() {
         let options = RecognitionOptions::default();
         let contacts = Contacts::from_points(&patch(height, 200, 0.01, seed));
         let patch = Patch::new(&Observations::from_contacts(&contacts, &options).unwrap(), &options).unwrap();
-        let cells = patch.cells();
-        let models = patch.fitted(&cells);
+        let tuning = &options.tuning;
+        let cells = patch.cells(tuning);
+        let models = patch.fitted(&cells, tuning);
         let distances = noise::distances_between(&cells);
-        let limit = Limit::new(&patch.nearest(), &patch.distances, relief(&cells, &models));
+        let limit = Limit::new(&patch.nearest(), &patch.distances, relief(&cells, &models), tuning);
         let factors = FactorPair::new(&cells, &distances);
         let plain = Linearised::new(&cells, &patch.points, models, &factors);
-        let (_, nodes) = Evidence::begun(&cells, &plain, &factors.positions, limit, Look::First).finished();
+        let at = SearchContext { cells: &cells, contacts: &patch.points, factors: &factors, limit, tuning };
+        let (_, nodes) = Evidence::begun(at, &plain, Look::First).finished();
         let best = |smooth: bool| {
             let own = nodes.iter().filter(|n| n.group() == 2 && n.departure.is_smooth() == smooth);
             own.map(|n| n.log_evidence).fold(f64::NEG_INFINITY, f64::max)

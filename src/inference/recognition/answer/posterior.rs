@@ -41,12 +41,6 @@ use super::posterior_samples::{Drawn, ShapeQuantity, classes, interval_of, point
 use super::shape_means::{Field, Points};
 use super::weights::Weights;
 
-/// Draws in all.
-const DRAWS: f64 = 400.0;
-
-/// Draws of a body whose own interval is asked for.
-const OF_BODY: f64 = 100.0;
-
 /// Least number of draws of a node, so that its own spread is known.
 const FEWEST_DRAWS: usize = 4;
 
@@ -187,28 +181,31 @@ fn all_drawn(
     weights: &Weights,
     points: &Points,
     reference: &[Place],
-    seed: u64,
+    options: &RecognitionOptions,
     hidden: f64,
 ) -> Vec<Drawn> {
+    let RecognitionOptions { seed, tuning, .. } = options;
+    let [in_all, of_heard] = [tuning.draws, tuning.heard_draws].map(|count| count as f64);
+    let touched = |draws: usize| predicted(draws, tuning.draws_touched);
     let counts = |weights: &[f64], i: usize| weights[i] > NEGLIGIBLE;
     let Weights { estimate, interval, class, heard, .. } = weights;
     let used: Vec<usize> =
         (0..nodes.len()).filter(|&i| [estimate, interval, class, heard].iter().any(|w| counts(w, i))).collect();
     let found = threads::map(used.len(), 1, |k| {
         let (i, node) = (used[k], &nodes[used[k]]);
-        let wanted = (weights.interval[i] * DRAWS).max(weights.heard[i] * OF_BODY);
+        let wanted = (weights.interval[i] * in_all).max(weights.heard[i] * of_heard);
         let count = (wanted.round() as usize).max(FEWEST_DRAWS);
         let joint = if node.is_displaced() { evidence.joint_posterior(node) } else { None };
         let likeliest = match &joint {
             Some((mean, _)) => displaced(evidence, node, mean)?,
             None => likeliest(evidence, node)?,
         };
-        let states = drawn(evidence, (i, node), joint.as_ref(), count, seed, hidden);
+        let states = drawn(evidence, (i, node), joint.as_ref(), count, *seed, hidden);
         let draws = points.fields(&states);
         let likeliest = points.field(&likeliest);
-        let asked = if points.touched.is_empty() { 0 } else { predicted(states.len()) };
+        let asked = if points.touched.is_empty() { 0 } else { touched(states.len()) };
         let touches = states[..asked].iter().map(|state| measured(state, points.touched)).collect();
-        let over_map = states[..predicted(states.len())].iter().map(|state| measured(state, reference)).collect();
+        let over_map = states[..touched(states.len())].iter().map(|state| measured(state, reference)).collect();
         Some(Drawn {
             kind: node.kind,
             hypothesis: node.hypothesis(),
@@ -243,7 +240,7 @@ pub(super) fn summary(
     let state = likeliest(evidence, reported)?;
     let hidden = if weights.displacement_is_error() { weights.size * points.field(&state).r } else { 0.0 };
     let reference: Vec<Place> = points.map.iter().map(|point| Place::on(&state, point.clone())).collect();
-    let found = all_drawn(evidence, nodes, weights, points, &reference, options.seed, hidden);
+    let found = all_drawn(evidence, nodes, weights, points, &reference, options, hidden);
     let surface = nearest_to_means(evidence, reported, state, &found, points);
     let (own, variation) = (points.field(&surface), points.variation(&surface));
     let noise = noise_alone(evidence, nodes, reported, points, options.seed);

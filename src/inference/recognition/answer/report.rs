@@ -25,14 +25,6 @@ use super::shape_means::Points;
 /// Rows and columns of the map at whose points uncertainties are drawn; other points have what lies between.
 const MAPPED: usize = 20;
 
-/// Standard uncertainty of S, and of R relative to it, that splines leave however precise the contacts are: five segments hold a bump or a wave
-/// over the patch no better. R of 196 touches with hardly any noise (1e-6 of the relief) is 0.0005 too large, and S of a bump 0.001 too small.
-const OF_SPLINES: f64 = 5e-4;
-
-/// The same for bodies, which splines hold better than bumps: S and R of an ellipsoid of half axes 9, 6 and 5 that is touched
-/// without noise over 8 by 8 are off by 6e-5 and 7e-5.
-const OF_BODIES: f64 = 1e-4;
-
 /// The points that contacts support.
 fn held(points: &[ChartPoint], supported: &[bool]) -> Vec<ChartPoint> {
     points.iter().zip(supported).filter(|(_, supported)| **supported).map(|(point, _)| point.clone()).collect()
@@ -70,9 +62,10 @@ impl Findings<'_> {
         if self.asked.means.is_none() && within_map.is_none() {
             found.move_to(&surface.state, &lattice, &held(&points, &supported));
         }
+        let [of_departures, of_bodies] = options.tuning.left_by_splines;
         let of_splines = match best.group() {
-            2 => OF_SPLINES,
-            4 => OF_BODIES,
+            2 => of_departures,
+            4 => of_bodies,
             _ => 0.0,
         };
         found.curvedness.doubted(self.doubt_of_places.hypot(of_splines));

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! A = [1 u v u^2 u v v^2], columns with mean square 1        u, v: places in the plane of the patch, each with mean 0 and sd 1
-//! on a conic:  least eigenvalue of A'A/n < 10^-3             then some A w is nearly 0 with |w| = 1
+//! on a conic:  least eigenvalue of A'A/n < Tuning::on_conic  then some A w is nearly 0 with |w| = 1
 //! ```
 //!
 //! Heights `A c` over such places are the same for c and for c + t w, whatever t is, and w bends. F. L. Bookstein, *Computer Graphics
@@ -10,19 +10,16 @@
 
 use faer::Mat;
 
+use crate::bodies::Tuning;
 use crate::dense;
 use palpate_numeric::linalg;
-
-/// Least eigenvalue below which places lie on a conic. Three by three touches have 0.13, a ring that is wide by a tenth of its radius 2e-3, one
-/// whose touches scatter by a hundredth of it 2e-4: what the latter tell of the bend is what they err by.
-const ON_CONIC: f64 = 1e-3;
 
 /// Terms of the second degree in two variables.
 const TERMS: usize = 6;
 
 /// Whether these places lie on one conic, or so near to it that they tell nothing else.
-pub(crate) fn on_conic(places: &[[f64; 2]]) -> bool {
-    NearestConic::of(places).is_some_and(|conic| conic.eigenvalue < ON_CONIC)
+pub(crate) fn on_conic(places: &[[f64; 2]], tuning: &Tuning) -> bool {
+    NearestConic::of(places).is_some_and(|conic| conic.eigenvalue < tuning.on_conic)
 }
 
 /// Root mean square distance of places from the conic next to them, to first order (P. Sampson, *Computer Graphics and Image Processing* 18
@@ -108,10 +105,11 @@ mod tests {
 
     #[test]
     fn rings_and_two_rows_are_conics_and_three_rows_are_none() {
-        assert!(on_conic(&ring(0.0)) && on_conic(&ring(0.05)));
+        let are_on = |places: &[[f64; 2]]| on_conic(places, &Tuning::default());
+        assert!(are_on(&ring(0.0)) && are_on(&ring(0.05)));
         // wide by a tenth of its radius
-        assert!(!on_conic(&ring(0.5)));
-        assert!(on_conic(&lattice(&[-4.0, 4.0], 15)) && on_conic(&lattice(&[-4.0, 4.0, 4.02], 15)));
-        assert!(!on_conic(&lattice(&[-4.0, 0.0, 4.0], 3)) && !on_conic(&lattice(&[-0.1, 0.0, 0.1], 15)));
+        assert!(!are_on(&ring(0.5)));
+        assert!(are_on(&lattice(&[-4.0, 4.0], 15)) && are_on(&lattice(&[-4.0, 4.0, 4.02], 15)));
+        assert!(!are_on(&lattice(&[-4.0, 0.0, 4.0], 3)) && !are_on(&lattice(&[-0.1, 0.0, 0.1], 15)));
     }
 }

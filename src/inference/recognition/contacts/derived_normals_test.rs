@@ -3,31 +3,20 @@
 //! ```text
 //! a = n - n_surface      b = (normal of the plane through 13 nearest contacts) - n_surface      (tangential parts)
 //! A = a_i - (a_j + a_k)/2      B alike          j a neighbourhood away from i, k opposite of it
-//! correlation = sum A.B / sqrt(sum A.A sum B.B)          above 0.25, and
-//! share = sum E(B.B of the positions' errors) / sum B.B  above 0.1: computed from the positions
+//! correlation = sum A.B / sqrt(sum A.A sum B.B)          above the first of `Tuning::normals_derived`, and
+//! share = sum E(B.B of the positions' errors) / sum B.B  above the second: computed from the positions
 //! ```
 //!
 //! Where the true shape departs from the surface, it rotates both normals alike although neither was computed from the other: a and
 //! b of a bump correlate by 0.6. In second differences such a departure cancels, but for its own bend. What is left of that bend in contacts
 //! that lie far apart correlates as errors would; the errors of the positions, which a local quadratic tells, then explain little of B.
 
+use crate::bodies::Tuning;
 use crate::recognition::kinds::Model;
 
 use palpate_geometry::neighbours::{NEAREST, Neighbours, plane_normal};
 use palpate_numeric::linalg::small::{cholesky, solve};
 use palpate_numeric::vector::{Vector, along, axes_along, dot, minus, norm, reject, scaled};
-
-/// Contacts from which on the test is made. Fewer are touches, whose normals a sensor gave.
-const DENSE: usize = 200;
-
-/// Correlation above which normals were computed from positions. Seven scans have 0.34 to 0.86; measured normals have 0.06 and
-/// less, with a scatter of 0.07 where 200 contacts are asked.
-const DERIVED: f64 = 0.25;
-
-/// Share of B that the errors of the positions must explain, for B to be told from the bend of the shape. Scans have 0.25 to 1.7, 300
-/// measured normals on bodies whose places err by up to 0.3 % of their size hardly any. Where places err by 1.5 %, such measured normals
-/// have 0.2 to 0.7 as well, and are not told from derived ones by it.
-const OF_ERRORS: f64 = 0.1;
 
 /// Share of the distance to its partner by which a contact may miss the opposite place.
 const OPPOSITE: f64 = 0.5;
@@ -38,21 +27,19 @@ const BLUNDER: f64 = 0.5;
 /// Coefficients of a quadratic height.
 const TERMS: usize = 6;
 
-/// Cosine below which a normal contradicts the surface: 60 degrees off.
-pub(crate) const AGAINST: f64 = 0.5;
-
 /// Whether the normals of these contacts follow from the positions.
 pub(crate) fn derived_from_positions(
     points: &[Vector],
     normals: &[Vector],
     surface: &Model,
     sample: impl Iterator<Item = usize>,
+    tuning: &Tuning,
 ) -> bool {
-    if points.len() <= DENSE {
+    if points.len() <= tuning.derived_from {
         return false;
     }
     let tree = Neighbours::new(points);
-    let of = |j: usize| both(&tree, points, normals, surface, j);
+    let of = |j: usize| both(&tree, points, normals, surface, j, tuning.normal_against);
     let mut rough = Correlation::default();
     for i in sample {
         let Some([j, k]) = opposite_pair(&tree, points, i) else { continue };
@@ -63,7 +50,8 @@ pub(crate) fn derived_from_positions(
             rough.add(difference(|turns| turns.given), difference(|turns| turns.local), of_errors);
         }
     }
-    rough.exceeds(DERIVED, OF_ERRORS)
+    let [correlation, share] = tuning.normals_derived;
+    rough.exceeds(correlation, share)
 }
 
 /// The contact a neighbourhood away from contact i, and the one opposite of it; `None` where nothing lies opposite.
@@ -108,10 +96,17 @@ struct TurnPair {
     variance: f64,
 }
 
-/// The turns at one contact; `None` of blunders.
-fn both(tree: &Neighbours, points: &[Vector], normals: &[Vector], surface: &Model, i: usize) -> Option<TurnPair> {
+/// The turns at one contact; `None` of blunders, and of a normal whose cosine with the surface's is below `against`.
+fn both(
+    tree: &Neighbours,
+    points: &[Vector],
+    normals: &[Vector],
+    surface: &Model,
+    i: usize,
+    against: f64,
+) -> Option<TurnPair> {
     let (_, n) = surface.distance_and_normal(points[i]);
-    if dot(normals[i], n) < AGAINST {
+    if dot(normals[i], n) < against {
         return None;
     }
     let local = plane_normal(tree, points, points[i])?;

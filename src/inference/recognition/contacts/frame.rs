@@ -14,13 +14,6 @@ use palpate_geometry::contact::Frame;
 use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm, reject, scaled, unit_or_zero, unit_rescaled};
 
-/// Mean unit normals shorter than this do not tell a direction.
-const SHORT: f64 = 0.3;
-
-/// Spread across over spread along below which contacts are on one line: one finger's path, whose sideways errors say
-/// nothing of the bend across it. Three paths a tenth of their length apart have 0.08.
-const THIN: f64 = 0.03;
-
 /// Mean, principal axes (narrowest first) and principal sds of points.
 pub(super) fn principal_axes(points: &[Vector]) -> Result<(Vector, [Vector; 3], Vector), RecognitionError> {
     let count = points.len() as f64;
@@ -69,16 +62,17 @@ pub(crate) fn patch_frame(
     options: &RecognitionOptions,
 ) -> Result<Frame, RecognitionError> {
     let (origin, axes, sds) = principal_axes(points)?;
-    if sds[1] <= THIN * sds[2] {
+    let thin = options.tuning.thin_patch;
+    if sds[1] <= thin * sds[2] {
         return Err(RecognitionError::Collinear { across: sds[1], along: sds[2] });
     }
     let mean = normals.map(mean_of);
     let up = match mean {
-        Some(mean) if norm(mean) > SHORT => {
+        Some(mean) if norm(mean) > options.tuning.tells_up => {
             let up = unit_or_zero(mean);
             // the path of one finger over a bent surface is an arc, which is no line but still no patch
             let [across, along] = spreads_across(points, origin, up);
-            if across <= THIN * along {
+            if across <= thin * along {
                 return Err(RecognitionError::Collinear { across, along });
             }
             up

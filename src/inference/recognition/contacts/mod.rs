@@ -23,7 +23,7 @@ mod upright;
 
 pub(crate) use cells::{CellNormals, Cells, cells, is_known};
 pub(crate) use conic::{distance_from_conic, on_conic};
-pub(crate) use derived_normals_test::{AGAINST, derived_from_positions};
+pub(crate) use derived_normals_test::derived_from_positions;
 pub(crate) use excluded::Dropped;
 pub use excluded::NormalsUse;
 pub(crate) use frame::{patch_frame, spread_beside_a_line};

@@ -3,7 +3,7 @@
 //! ```text
 //! d = a0 + a1 u + a2 v [+ a3 u^2 + a4 u v + a5 v^2] + e       u, v of a contact in its cell, along the two tangents; d its distance
 //! S_3, S_6                                                    sums of squares that planes and quadrics leave in all cells
-//! told    S_3 / f_3 < 2 S_6 / f_6                             cells bend by less than contacts scatter; f: degrees of freedom
+//! told    S_3 / f_3 < `Tuning::bent_cells` S_6 / f_6          cells bend by less than contacts scatter; f: degrees of freedom
 //! s^2 >= S/f                                                  S = S_6 over the mean number of contacts in a cell
 //! ```
 //!
@@ -12,6 +12,7 @@
 //! errs by no less than its contacts tell, and by more where no surface that is tried follows it: a thousand contacts a cell know
 //! it better than any spline.
 
+use crate::bodies::Tuning;
 use palpate_numeric::vector::{Vector, dot, minus, norm};
 
 use super::height_polynomial::left_by_polynomial;
@@ -21,17 +22,6 @@ const TERMS: [usize; 2] = [3, 6];
 
 /// Contacts of a cell from which on a quadric leaves some scatter.
 const FEWEST_IN_CELL: usize = 9;
-
-/// Contacts in a cell, on the mean, up to which the scatter is asked: by more of them a mean is known to less than a tenth of a contact's error,
-/// which the splines of a departure do not follow, and a bound that low sends the search to other errors instead. An image of 640 x 480
-/// with slopes had S off by twice as much with it, one of 160 x 120 by less.
-const MOST_IN_CELL: f64 = 100.0;
-
-/// Degrees of freedom from which on the scatter is told: to a twentieth.
-const FEWEST_FREEDOM: f64 = 200.0;
-
-/// Ratio of the variances that planes and quadrics leave up to which cells bend by less than contacts scatter.
-const BENT: f64 = 2.0;
 
 /// What quadrics leave of contacts within their cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -75,9 +65,10 @@ impl ScatterWithin {
         [feet, middles]: [&[Vector]; 2],
         tangents: &[Vec<Vector>; 2],
         distances: &[f64],
+        tuning: &Tuning,
     ) -> ScatterWithin {
         let per_cell = cell_of.len() as f64 / middles.len() as f64;
-        if per_cell > MOST_IN_CELL {
+        if per_cell > tuning.crowded_cells {
             return ScatterWithin::default();
         }
         let mut members = vec![Vec::new(); middles.len()];
@@ -100,7 +91,7 @@ impl ScatterWithin {
             }
         }
         let [of_planes, of_quadrics] = [0, 1].map(|k| squares[k] / freedom[k]);
-        if freedom[1] < FEWEST_FREEDOM || of_planes >= BENT * of_quadrics {
+        if freedom[1] < tuning.scatter_freedom || of_planes >= tuning.bent_cells * of_quadrics {
             return ScatterWithin::default();
         }
         ScatterWithin { square: squares[1] / per_cell, freedom: freedom[1] }
@@ -136,7 +127,7 @@ mod tests {
         let middle = |k: usize| (2 * k + 1) as f64 / SIDE as f64 - 1.0;
         let middles: Vec<Vector> = (0..SIDE * SIDE).map(|k| [middle(k / SIDE), middle(k % SIDE), 0.0]).collect();
         let tangents = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|t| vec![t; SIDE * SIDE]);
-        ScatterWithin::of(&cell_of, [&feet, &middles], &tangents, &distances)
+        ScatterWithin::of(&cell_of, [&feet, &middles], &tangents, &distances, &Tuning::default())
     }
 
     #[test]

@@ -10,24 +10,20 @@
 
 use faer::Mat;
 
-use crate::recognition::contacts::Cells;
 use crate::recognition::discrepancy::{Body, is_free};
 use crate::recognition::equations::{Rows, first_of_displacement};
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::noise::{Factors, Kernel, Limit};
+use crate::recognition::noise::{Factors, Kernel};
 
 use super::linearised::Linearised;
 use super::marginal_likelihood::{Evidence, Look};
 use super::node::{Departure, Node, POWERS, highest, likeliest};
+use super::search_context::SearchContext;
 use super::whitened::Whitened;
 use palpate_numeric::threads;
 
 /// Log evidence below the best at which stronger correlations, or other sizes, are not tried once it falls: a weight of 3e-4.
 const HOPELESS: f64 = 8.0;
-
-/// Log evidence by which departures must be behind the kinds without one, to be asked under two kernels alone. Estimates hardly move by it
-/// (`benches/runs/coverage.md`); more would ask all 25 kernels of most balls and bars, for a share that the estimate does not see.
-const OUTDONE: f64 = 5.0;
 
 /// A kind with a departure, of whatever size.
 #[derive(Clone, Copy)]
@@ -87,17 +83,17 @@ struct OfKernel {
 }
 
 /// A search that has asked the kinds without a departure everywhere, and departures where neighbours share no errors.
-pub(crate) struct PartialEvidence<'a, 'f> {
+pub(crate) struct PartialEvidence<'a> {
     evidence: Evidence<'a>,
     rows: &'a Rows,
-    factors: &'f Factors<'f>,
+    factors: &'a Factors<'a>,
     /// Of the kinds without a departure.
     plain: Vec<Node>,
     displaced: Vec<Family<'a>>,
     white: Option<OfKernel>,
 }
 
-impl<'a> PartialEvidence<'a, '_> {
+impl<'a> PartialEvidence<'a> {
     /// Nodes from which a second look can start, where a displaced surface is far ahead of the kinds without a departure under every
     /// kernel: those kinds and the likeliest of the other families. `None` elsewhere.
     pub(super) fn displaced_at_once(&self) -> Option<Vec<Node>> {
@@ -120,9 +116,10 @@ impl<'a> PartialEvidence<'a, '_> {
     pub(crate) fn finished(self) -> (Evidence<'a>, Vec<Node>) {
         let PartialEvidence { mut evidence, rows, factors, plain: mut nodes, displaced, white } = self;
         let courses = after(white.as_ref(), &displaced);
+        let behind = evidence.tuning.outdone;
         let outdone = |found: &OfKernel| {
             let of_plain = nodes.iter().filter(|node| node.kernel == found.kernel);
-            highest(&found.nodes) < highest(of_plain) - OUTDONE
+            highest(&found.nodes) < highest(of_plain) - behind
         };
         let there = |kernel| evidence.of_kernel(rows, factors, kernel, &displaced, &courses);
         // the second kernel is that of the likeliest kind, where it is another
@@ -139,15 +136,9 @@ impl<'a> PartialEvidence<'a, '_> {
 
 impl<'a> Evidence<'a> {
     /// Begins with all that these equations and the limit of shared errors allow.
-    pub(crate) fn begun<'f>(
-        cells: &'a Cells,
-        linearised: &'a Linearised,
-        factors: &'f Factors<'f>,
-        limit: Limit,
-        look: Look,
-    ) -> PartialEvidence<'a, 'f> {
-        let mut evidence = Evidence::unasked(cells, linearised, limit, look);
-        let rows = &linearised.rows;
+    pub(crate) fn begun(at: SearchContext<'a>, linearised: &'a Linearised, look: Look) -> PartialEvidence<'a> {
+        let mut evidence = Evidence::unasked(at, linearised, look);
+        let (rows, factors) = (&linearised.rows, &at.factors.positions);
         let (kinds, displaced): (Vec<Family>, Vec<Family>) =
             evidence.families().into_iter().partition(Family::is_plain);
         let plain = evidence.of_all_kernels(&rows.of_models(), factors, &kinds);
@@ -156,15 +147,9 @@ impl<'a> Evidence<'a> {
     }
 
     /// The evidence of the second look under one kernel alone.
-    pub(super) fn under(
-        cells: &'a Cells,
-        linearised: &'a Linearised,
-        factors: &Factors,
-        limit: Limit,
-        kernel: usize,
-    ) -> (Evidence<'a>, Vec<Node>) {
-        let mut made = Evidence::unasked(cells, linearised, limit, Look::Second);
-        let families = made.families();
+    pub(super) fn under(at: SearchContext<'a>, linearised: &'a Linearised, kernel: usize) -> (Evidence<'a>, Vec<Node>) {
+        let mut made = Evidence::unasked(at, linearised, Look::Second);
+        let (families, factors) = (made.families(), &at.factors.positions);
         let found = made.of_kernel(&linearised.rows, factors, kernel, &families, &at_smallest(&families));
         let mut nodes = Vec::new();
         made.keep(found, &mut nodes);
@@ -172,15 +157,9 @@ impl<'a> Evidence<'a> {
     }
 
     /// Log evidence of a node's hypothesis under these equations, with what the errors of the normals add.
-    pub(super) fn of_hypothesis(
-        node: &Node,
-        cells: &Cells,
-        linearised: &Linearised,
-        factors: &Factors,
-        limit: Limit,
-    ) -> Option<f64> {
-        let made = Evidence::unasked(cells, linearised, limit, Look::Second);
-        let white = Whitened::new(&linearised.rows, factors, node.kernel, first_of_displacement())?;
+    pub(super) fn of_hypothesis(node: &Node, at: SearchContext, linearised: &Linearised) -> Option<f64> {
+        let made = Evidence::unasked(at, linearised, Look::Second);
+        let white = Whitened::new(&linearised.rows, &at.factors.positions, node.kernel, first_of_displacement())?;
         let model = made.models.iter().find(|model| model.kind() == node.kind)?;
         Some(made.node(model, &white, node.departure)?.log_evidence + linearised.log_share())
     }

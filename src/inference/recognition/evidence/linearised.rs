@@ -6,6 +6,7 @@
 
 use faer::Mat;
 
+use crate::bodies::Tuning;
 use crate::recognition::contacts::Cells;
 use crate::recognition::discrepancy::{DepartureResolution, Displacement, Forms};
 use crate::recognition::equations::{Moved, Rows, first_of_displacement};
@@ -83,14 +84,14 @@ impl Linearised {
     }
 
     /// The same equations where all normals may be too steep by one factor; `None` without normals.
-    pub(super) fn with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
-        let gain = Some(Gain::new(cells, &self.models, None)?);
+    pub(super) fn with_gain(&self, cells: &Cells, factors: &FactorPair, tuning: &Tuning) -> Option<Linearised> {
+        let gain = Some(Gain::new(cells, &self.models, None, tuning)?);
         Some(Linearised { gain, ..self.clone() }.with_normals_asked(factors))
     }
 
     /// The same equations where all normals may be turned by one angle; `None` where they cannot.
-    pub(super) fn with_tilt(&self, cells: &Cells, factors: &FactorPair) -> Option<Linearised> {
-        let tilt = Some(Tilt::new(cells)?);
+    pub(super) fn with_tilt(&self, cells: &Cells, factors: &FactorPair, tuning: &Tuning) -> Option<Linearised> {
+        let tilt = Some(Tilt::new(cells, tuning)?);
         Some(Linearised { tilt, ..self.clone() }.with_normals_asked(factors))
     }
 
@@ -108,14 +109,14 @@ impl Linearised {
     }
 
     /// The same where all normals may be too steep by one factor; `None` where they cannot.
-    pub(super) fn told_with_gain(&self, cells: &Cells, factors: &FactorPair) -> Option<NormalsTold> {
-        let gain = Gain::new(cells, &self.models, None)?;
+    pub(super) fn told_with_gain(&self, cells: &Cells, factors: &FactorPair, tuning: &Tuning) -> Option<NormalsTold> {
+        let gain = Gain::new(cells, &self.models, None, tuning)?;
         Some(self.told_with(self.tilt.clone(), Some(gain), factors))
     }
 
     /// The same where all normals may be turned by one angle; `None` where they cannot.
-    pub(super) fn told_with_tilt(&self, cells: &Cells, factors: &FactorPair) -> Option<NormalsTold> {
-        Some(self.told_with(Some(Tilt::new(cells)?), None, factors))
+    pub(super) fn told_with_tilt(&self, cells: &Cells, factors: &FactorPair, tuning: &Tuning) -> Option<NormalsTold> {
+        Some(self.told_with(Some(Tilt::new(cells, tuning)?), None, factors))
     }
 
     fn told_with(&self, mut tilt: Option<Tilt>, mut gain: Option<Gain>, factors: &FactorPair) -> NormalsTold {
@@ -132,8 +133,9 @@ impl Linearised {
         slopes: Option<&[Vec<f64>; 2]>,
         cells: &Cells,
         factors: &FactorPair,
+        tuning: &Tuning,
     ) -> Option<Linearised> {
-        let gain = Some(Gain::new(cells, &self.models, slopes)?);
+        let gain = Some(Gain::new(cells, &self.models, slopes, tuning)?);
         let mut made = Linearised { gain, ..self.clone() };
         made.weigh_normals(self.normal_noise, factors);
         Some(made)
@@ -197,7 +199,7 @@ impl Linearised {
 
     /// Lets the normals scatter about this displacement.
     pub(super) fn scatter_about(&mut self, moved: &Moved, cells: &Cells, factors: &FactorPair) {
-        self.gain = self.gain.as_ref().and_then(|_| Gain::new(cells, &self.models, moved.slopes.as_ref()));
+        self.gain = self.gain.as_ref().and_then(|gain| gain.about(cells, &self.models, moved.slopes.as_ref()));
         let noise = NormalNoise::find(&moved.without_displacement(&self.rows), factors.normals(), moved.spent);
         self.weigh_normals(noise, factors);
     }

@@ -15,29 +15,22 @@ use std::f64::consts::{FRAC_2_PI, LN_2, PI, SQRT_2};
 
 use faer::Mat;
 
+use crate::bodies::Tuning;
 use crate::dense;
 use crate::recognition::contacts::{CellNormals, Cells};
 use crate::recognition::discrepancy::{Body, Displacement};
 use crate::recognition::equations::{Columns, Grams, Reduced, column_of, first_of_displacement, reduced};
 use crate::recognition::kinds::{Kind, Model};
-use crate::recognition::noise::{Factors, Kernel, Limit};
-use crate::recognition::start::OF_NORMAL;
+use crate::recognition::noise::{Kernel, Limit};
 
 use super::linearised::{Linearised, NormalsTold};
 use super::node::{Departure, Node, POWERS};
+use super::search_context::SearchContext;
 use super::whitened::Whitened;
 
 /// With fewer degrees of freedom than this the positions alone do not determine their noise, and normals are used with
 /// them.
 const FREEDOM_OF_NOISE: usize = 3;
-
-/// Contacts below which normals count little for the errors of positions, and how much: with all of them, intervals of R hold the
-/// truth in 88 to 93 of 100 patches of 4 to 8 contacts.
-const TOUCHES: usize = 12;
-const OF_FEW: f64 = 0.25;
-
-/// Degrees of freedom that the errors of few positions have from those of the normals.
-const SUPPOSED: f64 = 1.0;
 
 /// Which splines are tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +54,7 @@ pub(crate) struct Evidence<'a> {
     /// Variance of the errors of an average cell's normal.
     normal_variance: Option<f64>,
     limit: Limit,
+    pub(super) tuning: &'a Tuning,
     pub(super) look: Look,
     /// Whether departures stand over a plane.
     pub(super) over_plane: bool,
@@ -69,31 +63,38 @@ pub(crate) struct Evidence<'a> {
 impl<'a> Evidence<'a> {
     /// Largest log evidence of the kinds without a departure, where neighbours share no errors and the normals err as is told, with
     /// what those errors add.
-    pub(super) fn of_plain_kinds(
-        cells: &Cells,
-        linearised: &Linearised,
-        told: &NormalsTold,
-        factors: &Factors,
-        limit: Limit,
-    ) -> Option<f64> {
-        let mut made = Evidence::unasked(cells, linearised, limit, Look::First);
+    pub(super) fn of_plain_kinds(at: SearchContext, linearised: &Linearised, told: &NormalsTold) -> Option<f64> {
+        let mut made = Evidence::unasked(at, linearised, Look::First);
         made.normals = told.gram.as_ref();
         made.normal_variance = told.noise.map(|noise| noise.variance);
-        let white = Whitened::new(&linearised.rows.of_models(), factors, 0, first_of_displacement())?;
+        let white = Whitened::new(&linearised.rows.of_models(), &at.factors.positions, 0, first_of_displacement())?;
         let nodes = made.models.iter().filter_map(|model| made.node(model, &white, Departure::None));
         let highest = nodes.map(|node| node.log_evidence).max_by(f64::total_cmp)?;
         Some(highest + told.noise.map_or(0.0, |noise| noise.log_share))
     }
 
     /// Before any kernel is tried.
-    pub(super) fn unasked(cells: &'a Cells, linearised: &'a Linearised, limit: Limit, look: Look) -> Evidence<'a> {
+    pub(super) fn unasked(at: SearchContext<'a>, linearised: &'a Linearised, look: Look) -> Evidence<'a> {
+        let SearchContext { cells, limit, tuning, .. } = at;
         let kernels = Kernel::all();
         let grams = kernels.iter().map(|_| None).collect();
         let Linearised { models, displacement, normals, .. } = linearised;
         let over_plane = linearised.over_plane.is_some();
         let (displacement, normals) = (displacement.as_ref(), normals.as_ref());
         let normal_variance = linearised.normal_noise.map(|noise| noise.variance);
-        Evidence { cells, models, displacement, kernels, grams, normals, normal_variance, limit, look, over_plane }
+        Evidence {
+            cells,
+            models,
+            displacement,
+            kernels,
+            grams,
+            normals,
+            normal_variance,
+            limit,
+            tuning,
+            look,
+            over_plane,
+        }
     }
 
     /// One hypothesis; `None` where the contacts cannot tell it, or errors would be larger than the limit allows.
@@ -135,7 +136,8 @@ impl<'a> Evidence<'a> {
         let n = self.cells.points.len();
         let known = self.cells.normals.as_ref().filter(|_| self.normals.is_some()).map_or(0, CellNormals::known);
         let of_normals = 2.0 * known as f64;
-        n as f64 + if n < TOUCHES { OF_FEW * of_normals } else { of_normals }
+        let is_few = n < self.tuning.few_positions;
+        n as f64 + if is_few { self.tuning.normals_of_few * of_normals } else { of_normals }
     }
 
     /// Log of a node's share of the prior of its hypothesis. Torus, paraboloid, natural departures and other displacements
@@ -188,11 +190,13 @@ impl<'a> Evidence<'a> {
     }
 
     /// The same variance where the positions are too few to determine it alone: the fixed point of
-    /// `s^2 = (RSS(x) + (s_n/5)^2)/(n - tr H^-1 Jz'Jz/s^2 + 1)` with x from positions and normals together, and one degree of freedom for
-    /// what sensors are like: four contacts always lie on a sphere, and would have no errors at all.
+    /// `s^2 = (RSS(x) + f (b s_n)^2)/(n - tr H^-1 Jz'Jz/s^2 + f)` with x from positions and normals together, b of
+    /// [`Tuning::place_over_normal`], and f degrees of freedom, [`Tuning::supposed_freedom`], for what sensors are like: four contacts
+    /// always lie on a sphere, and would have no errors at all.
     fn joint_variance(&self, kind: Kind, white: &Whitened) -> Option<f64> {
         let (y, p, gram) = (column_of(kind), kind.unknowns(), &white.gram);
-        let supposed = SUPPOSED * OF_NORMAL * OF_NORMAL * self.normal_variance?;
+        let Tuning { supposed_freedom: freedom, place_over_normal: of_normal, .. } = *self.tuning;
+        let supposed = freedom * of_normal * of_normal * self.normal_variance?;
         let mut variance = 1e-4;
         for _ in 0..30 {
             let system = self.system(kind, white, variance, Departure::None)?;
@@ -207,7 +211,7 @@ impl<'a> Evidence<'a> {
             let mut across = along.transpose().to_owned();
             dense::whiten(&system.lower, across.as_mut());
             let taken: f64 = (0..p).map(|i| across[(i, i)]).sum();
-            let next = (rss.max(1e-30) + supposed) / (self.cells.points.len() as f64 - taken + SUPPOSED);
+            let next = (rss.max(1e-30) + supposed) / (self.cells.points.len() as f64 - taken + freedom);
             if (next - variance).abs() < 1e-6 * variance {
                 break;
             }

@@ -4,15 +4,12 @@
 //! ```text
 //! looks: plain -> displaced where likely (relinearise.rs) -> normals believed -> a finer displacement
 //!        -> over a plane (discrepancy_over_plane.rs) -> a tilt (noise/tilt.rs) and a gain (noise/gain.rs) of the normals
-//! taken: the last whose highest log evidence, less log(20) for a tilt or a gain, exceeds that of the look before;
+//! taken: the last whose highest log evidence, less `Tuning::rare_error` for a tilt or a gain, exceeds that of the look before;
 //!        these only where the log likelihood of their likeliest surface does so, too
 //! ```
 
-use crate::bodies::Tuning;
-use crate::recognition::contacts::Cells;
 use crate::recognition::discrepancy::DepartureResolution;
 use crate::recognition::equations::slopes;
-use crate::recognition::noise::{Limit, RARE_ERROR};
 
 use super::discrepancy_over_plane::{OverPlane, over_plane};
 use super::evidence_grid::PartialEvidence;
@@ -20,24 +17,14 @@ use super::linearised::{FactorPair, Linearised, NormalsTold};
 use super::marginal_likelihood::{Evidence, Look};
 use super::node::{Node, highest, likeliest};
 use super::relinearise::{moved, taken, with_normals_believed};
-use palpate_numeric::vector::Vector;
-
-/// What every look is at.
-#[derive(Clone, Copy)]
-pub(crate) struct SearchContext<'a> {
-    pub(crate) cells: &'a Cells,
-    pub(crate) contacts: &'a [Vector],
-    pub(crate) factors: &'a FactorPair<'a>,
-    pub(crate) limit: Limit,
-    pub(crate) tuning: &'a Tuning,
-}
+use super::search_context::SearchContext;
 
 /// A look: its equations, their evidence, all nodes.
 type SearchedModel<'a> = (&'a Linearised, (Evidence<'a>, Vec<Node>));
 
 impl<'a> SearchContext<'a> {
-    fn begun(&self, made: &'a Linearised, look: Look) -> PartialEvidence<'a, 'a> {
-        Evidence::begun(self.cells, made, &self.factors.positions, self.limit, look)
+    fn begun(&self, made: &'a Linearised, look: Look) -> PartialEvidence<'a> {
+        Evidence::begun(*self, made, look)
     }
 
     fn see(&self, made: &'a Linearised, look: Look) -> SearchedModel<'a> {
@@ -46,24 +33,22 @@ impl<'a> SearchContext<'a> {
 
     /// The second look after a first one.
     fn again(&self, plain: &Linearised, nodes: &[Node]) -> Option<Linearised> {
-        let moved = moved(plain, nodes, self.cells, self.factors, self.limit)?;
-        taken(plain, &moved, self.cells, self.contacts, self.factors, self.limit)
+        taken(plain, &moved(plain, nodes, *self)?, *self)
     }
 
     /// The same equations about a finer displacement, where the likeliest surface is displaced.
     fn finer(&self, chosen: &SearchedModel) -> Option<Linearised> {
         let (made, (_, nodes)) = chosen;
         likeliest_node(chosen).filter(|node| node.is_displaced())?;
-        let moved = moved(made, nodes, self.cells, self.factors, self.limit)?;
+        let moved = moved(made, nodes, *self)?;
         let fine = Linearised { resolution: DepartureResolution::Fine, ..(*made).clone() };
-        taken(&fine, &moved, self.cells, self.contacts, self.factors, self.limit)
+        taken(&fine, &moved, *self)
     }
 
     /// What one kernel says of these equations: those about the displaced surface, where a displacement is likely, and the highest log
     /// evidence of either.
     fn glance(&self, made: &Linearised, kernel: usize) -> (Option<Linearised>, f64) {
-        let under =
-            |made: &Linearised| Evidence::under(self.cells, made, &self.factors.positions, self.limit, kernel).1;
+        let under = |made: &Linearised| Evidence::under(*self, made, kernel).1;
         let nodes = under(made);
         let again = self.again(made, &nodes);
         let (of, nodes) = again.as_ref().map_or((made, nodes), |again| (again, under(again)));
@@ -78,8 +63,8 @@ impl<'a> SearchContext<'a> {
         let (x, z) = mean.split_at(likeliest.kind.unknowns());
         let base = evidence.models.iter().find(|m| m.kind() == likeliest.kind)?;
         let slopes = slopes(&made.rows, &evidence.weights_of(likeliest, z), base, x);
-        let gained = made.with_gain_about(slopes.as_ref(), self.cells, self.factors)?;
-        let reached = Evidence::of_hypothesis(likeliest, self.cells, &gained, &self.factors.positions, self.limit)?;
+        let gained = made.with_gain_about(slopes.as_ref(), self.cells, self.factors, self.tuning)?;
+        let reached = Evidence::of_hypothesis(likeliest, *self, &gained)?;
         Some(reached > height(chosen))
     }
 
@@ -87,9 +72,9 @@ impl<'a> SearchContext<'a> {
     fn over_plane(&self, chosen: &SearchedModel) -> Option<Linearised> {
         let (made, (evidence, nodes)) = chosen;
         let OverPlane { moved, longer } = over_plane(made, evidence, nodes, self.tuning)?;
-        let flat = taken(made, &moved, self.cells, self.contacts, self.factors, self.limit)?;
+        let flat = taken(made, &moved, *self)?;
         let flat = Linearised { over_plane: Some(longer), ..flat };
-        let (_, found) = Evidence::under(self.cells, &flat, &self.factors.positions, self.limit, moved.kernel);
+        let (_, found) = Evidence::under(*self, &flat, moved.kernel);
         (highest(&found) + flat.log_share() > height(chosen) + self.tuning.look_ahead).then_some(flat)
     }
 
@@ -100,26 +85,26 @@ impl<'a> SearchContext<'a> {
         if likeliest.is_displaced() && !self.gains(chosen, likeliest)? {
             return None;
         }
-        if !likeliest.is_displaced() && !self.tells_more(plain, &plain.told_with_gain(self.cells, self.factors)?)? {
+        let told = || plain.told_with_gain(self.cells, self.factors, self.tuning);
+        if !likeliest.is_displaced() && !self.tells_more(plain, &told()?)? {
             return None;
         }
-        self.glanced(plain.with_gain(self.cells, self.factors)?, chosen)
+        self.glanced(plain.with_gain(self.cells, self.factors, self.tuning)?, chosen)
     }
 
     /// Equations with normals that are all turned; `None` where that explains too little of a surface without departures, or is no likelier
     /// than what was chosen.
     fn with_tilt(&self, plain: &Linearised, chosen: &SearchedModel) -> Option<(Linearised, Look)> {
-        if !self.tells_more(plain, &plain.told_with_tilt(self.cells, self.factors)?)? {
+        if !self.tells_more(plain, &plain.told_with_tilt(self.cells, self.factors, self.tuning)?)? {
             return None;
         }
-        self.glanced(plain.with_tilt(self.cells, self.factors)?, chosen)
+        self.glanced(plain.with_tilt(self.cells, self.factors, self.tuning)?, chosen)
     }
 
     /// Whether the kinds alone are likelier with an error that all normals share: a look at them costs little, and mostly suffices.
     fn tells_more(&self, plain: &Linearised, told: &NormalsTold) -> Option<bool> {
-        let of =
-            |told: &NormalsTold| Evidence::of_plain_kinds(self.cells, plain, told, &self.factors.positions, self.limit);
-        Some(of(told)? > of(&plain.told())? + RARE_ERROR)
+        let of = |told: &NormalsTold| Evidence::of_plain_kinds(*self, plain, told);
+        Some(of(told)? > of(&plain.told())? + self.tuning.rare_error)
     }
 
     /// These equations, or those about their displaced surface; `None` where they are no likelier than what was chosen, under the kernel of
@@ -130,7 +115,7 @@ impl<'a> SearchContext<'a> {
         let looked = kernels.iter().map(|kernel| self.glance(&made, *kernel));
         let (again, reached) = looked.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let made = again.map_or((made, Look::First), |again| (again, Look::Second));
-        (reached > height(chosen) + RARE_ERROR).then_some(made)
+        (reached > height(chosen) + self.tuning.rare_error).then_some(made)
     }
 }
 
@@ -151,8 +136,9 @@ fn fits(seen: &SearchedModel, factors: &FactorPair) -> Option<f64> {
 
 /// Whether an error that all normals share makes both the contacts and the whole of what is known of them likelier than what was chosen.
 fn explains(seen: &SearchedModel, chosen: &SearchedModel, at: SearchContext) -> bool {
-    let fits_better = fits(seen, at.factors) > fits(chosen, at.factors).map(|other| other + RARE_ERROR);
-    fits_better && height(seen) > height(chosen) + RARE_ERROR
+    let rare = at.tuning.rare_error;
+    let fits_better = fits(seen, at.factors) > fits(chosen, at.factors).map(|other| other + rare);
+    fits_better && height(seen) > height(chosen) + rare
 }
 
 /// Whether a sensor may err as the likeliest surface says.
@@ -181,7 +167,7 @@ pub(crate) fn likeliest_look<T>(
             later.as_ref().map_or((plain, first), |again| at.see(again, Look::Second))
         }
     };
-    let believed = with_normals_believed(chosen.0, plain, at.cells, at.contacts, at.factors, at.limit);
+    let believed = with_normals_believed(chosen.0, plain, at);
     if let Some((believed, _)) = believed.as_ref().filter(|(_, log_evidence)| *log_evidence > height(&chosen)) {
         chosen = at.see(believed, Look::Second);
     }
@@ -209,7 +195,7 @@ pub(crate) fn likeliest_look<T>(
     {
         chosen = seen;
     }
-    let turned = chosen.0.tilt.as_ref().and_then(|_| plain.with_tilt(at.cells, at.factors));
+    let turned = chosen.0.tilt.as_ref().and_then(|_| plain.with_tilt(at.cells, at.factors, at.tuning));
     let gained = at.with_gain(turned.as_ref().unwrap_or(plain), &chosen);
     let seen = gained.as_ref().map(|(made, look)| at.see(made, *look));
     if let Some(seen) = seen.filter(|seen| is_believable(seen) && explains(seen, &chosen, at)) {

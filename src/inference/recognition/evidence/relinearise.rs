@@ -13,19 +13,15 @@
 use faer::Mat;
 
 use crate::dense;
-use crate::recognition::contacts::Cells;
 use crate::recognition::discrepancy::{Body, Forms, State};
 use crate::recognition::equations::{Moved, Rows, slopes};
 use crate::recognition::kinds::Model;
-use crate::recognition::noise::{Limit, NormalNoise};
+use crate::recognition::noise::NormalNoise;
 
-use super::linearised::{FactorPair, Linearised};
+use super::linearised::Linearised;
 use super::marginal_likelihood::Evidence;
 use super::node::{Node, highest, likeliest};
-use palpate_numeric::vector::Vector;
-
-/// Probability of a displacement from which on the second look is taken.
-const LIKELY: f64 = 0.05;
+use super::search_context::SearchContext;
 
 /// Share of the equations that are normals': two rows of three.
 const OF_NORMALS: f64 = 2.0 / 3.0;
@@ -39,32 +35,19 @@ const SETTLED: f64 = 0.1;
 /// surface by some `k dk^2`, which is a hundredth of the scatter of precise contacts.
 const NEAR: f64 = 0.005;
 
-/// Share of both where a body is the likeliest surface: it has no prior that would hide what a step leaves. R of an ellipsoid that is touched
-/// precisely, 9 by 6 by 5 under a patch of 8 by 8, is inside in 94 instead of 81 of 100 fits; elsewhere it would cost a fifth more time.
-const OF_BODY: f64 = 0.1;
-
-/// Log evidence by which a body in the form that is nearest to the likeliest surface may be behind that, to be asked in a nearer form.
-const WITHOUT_CHANCE: f64 = 16.0;
-
 /// The same for the numbers that say a body's form, whose square moves the surface by some `k^2 dp^2 / 8`.
 const NEAR_FORM: f64 = 0.03;
 
 /// The move under the likeliest displaced node, with a natural departure beside its spline; `None` where displacements are unlikely.
-pub(crate) fn moved(
-    plain: &Linearised,
-    nodes: &[Node],
-    cells: &Cells,
-    factors: &FactorPair,
-    limit: Limit,
-) -> Option<Moved> {
+pub(crate) fn moved(plain: &Linearised, nodes: &[Node], at: SearchContext) -> Option<Moved> {
     let largest = highest(nodes);
     let share = |chosen: &dyn Fn(&Node) -> bool| {
         nodes.iter().filter(|n| chosen(n)).map(|n| (n.log_evidence - largest).exp()).sum::<f64>()
     };
-    if share(&|n| n.is_displaced()) < LIKELY * share(&|_| true) {
+    if share(&|n| n.is_displaced()) < at.tuning.second_look * share(&|_| true) {
         return None;
     }
-    let (evidence, nodes) = Evidence::under(cells, plain, &factors.positions, limit, displaced(nodes)?.kernel);
+    let (evidence, nodes) = Evidence::under(at, plain, displaced(nodes)?.kernel);
     under_likeliest(&evidence, &plain.rows, &nodes)
 }
 
@@ -83,17 +66,14 @@ fn displaced(nodes: &[Node]) -> Option<&Node> {
 pub(super) fn with_normals_believed(
     chosen: &Linearised,
     plain: &Linearised,
-    cells: &Cells,
-    contacts: &[Vector],
-    factors: &FactorPair,
-    limit: Limit,
+    at: SearchContext,
 ) -> Option<(Linearised, f64)> {
     chosen.normal_noise.filter(|noise| noise.is_shared())?;
-    let start = plain.with_normals_believed(factors)?;
-    let (evidence, nodes) = Evidence::under(cells, &start, &factors.positions, limit, 0);
+    let start = plain.with_normals_believed(at.factors)?;
+    let (evidence, nodes) = Evidence::under(at, &start, 0);
     let moved = under_likeliest(&evidence, &start.rows, &nodes)?;
-    let made = taken(&start, &moved, cells, contacts, factors, limit)?;
-    let (_, nodes) = Evidence::under(cells, &made, &factors.positions, limit, moved.kernel);
+    let made = taken(&start, &moved, at)?;
+    let (_, nodes) = Evidence::under(at, &made, moved.kernel);
     let log_evidence = highest(&nodes) + made.log_share();
     Some((made, log_evidence))
 }
@@ -102,20 +82,14 @@ pub(super) fn with_normals_believed(
 /// of another surface, and normals that scatter about it seem noisier than they are. Displacement and noise are therefore found
 /// again, in turns, under the covariance of positions that was the likeliest, and the equations are placed again where the curvatures
 /// move.
-pub(super) fn taken(
-    plain: &Linearised,
-    moved: &Moved,
-    cells: &Cells,
-    contacts: &[Vector],
-    factors: &FactorPair,
-    limit: Limit,
-) -> Option<Linearised> {
+pub(super) fn taken(plain: &Linearised, moved: &Moved, at: SearchContext) -> Option<Linearised> {
+    let SearchContext { cells, contacts, factors, tuning, .. } = at;
     let mut made = plain.about(moved, cells, contacts, factors)?;
     let (mut base, mut forms) = (moved.base.clone(), moved.forms);
     for _ in 0..ROUNDS {
-        let (evidence, nodes) = Evidence::under(cells, &made, &factors.positions, limit, moved.kernel);
+        let (evidence, nodes) = Evidence::under(at, &made, moved.kernel);
         let Some(again) = under_likeliest(&evidence, &made.rows, &nodes) else { break };
-        let within = if displaced(&nodes).is_some_and(Node::is_body) { OF_BODY } else { 1.0 };
+        let within = if displaced(&nodes).is_some_and(Node::is_body) { tuning.nearer_body } else { 1.0 };
         let stays = is_near(&again.base, &base, within) && are_near(&again.forms, &forms, within);
         let before = made.normal_noise;
         if stays {
@@ -165,7 +139,7 @@ fn nearest_forms(evidence: &Evidence, nodes: &[Node], model: &Model, weights: &[
     let best = highest(nodes);
     let has_chance = |body: Body| {
         let own = highest(nodes.iter().filter(|n| n.departure.body() == Some(body)));
-        own > best - WITHOUT_CHANCE || displacement.forms[body.number()] == [0.0; 3]
+        own > best - evidence.tuning.hopeless_form || displacement.forms[body.number()] == [0.0; 3]
     };
     let charts: Vec<[f64; 2]> = evidence.cells.points.iter().map(|p| surface.chart(*p)).collect();
     displacement.nearest_forms(surface, &charts, &displacement.coefficients(weights), has_chance)

@@ -5,8 +5,8 @@
 //! blocks       the contacts' box cut into 6 x 6; block (i, j) is in group (i + 2 j) mod 4
 //!              one group is left out at a time
 //! error(s)     root mean square of z - S_s(x, y) over the left-out contacts, S_s fitted to the others with s segments
-//! s            the smallest whose error is within 5 % of the least: along the longer side, and as many of that length along
-//!              the shorter
+//! s            the smallest whose error is at most `Tuning::field_as_good` times the least: along the longer side, and as many of that
+//!              length along the shorter
 //! smooth       third derivatives that cost what the contacts' likelihood says, where that predicts them no worse than s does
 //! ```
 //!
@@ -20,6 +20,7 @@
 //! 40 (2017) 913.) Where waves are shorter than blocks no field predicts these; then single contacts are left out, of which a field that
 //! follows errors alone predicts none.
 
+use crate::bodies::Tuning;
 use crate::recognition::start::thinned;
 use palpate_fitting::fit::{Fit, FitError, FitOptions, Note, Smooth, fit_contacts, fit_contacts_over};
 use palpate_geometry::contact::{Contacts, Frame, Orientation};
@@ -46,31 +47,11 @@ const SMOOTHED_SEGMENTS: [usize; 6] = [4, 6, 8, 12, 16, 24];
 /// Points of the grid for every segment, where none was asked for.
 const POINTS_PER_SEGMENT: usize = 4;
 
-/// A coarser field is taken when it predicts as well up to this factor.
-const AS_GOOD: f64 = 1.05;
-
-/// Once the error has risen by the first factor above the least, finer fields follow noise and are not tried. While the
-/// least is above the second share of the relief, nothing has been predicted yet, and finer fields are tried all the
-/// same.
-const RISEN: f64 = 1.5;
-const UNPREDICTED: f64 = 0.5;
-
-/// The same where single contacts are left out: as fine as the waves ask for.
+/// Segments that are tried where single contacts are left out: as fine as the waves ask for.
 const FINE_SEGMENTS: [usize; 9] = [2, 4, 6, 8, 10, 12, 16, 24, 32];
-
-/// Contacts for every unknown at least, where blocks and where single contacts are left out.
-const PER_UNKNOWN: f64 = 3.0;
-const PER_FINE_UNKNOWN: f64 = 1.3;
-
-/// The same of a smoothed field, whose cost tells what contacts do not.
-const PER_SMOOTHED_UNKNOWN: f64 = 1.0;
 
 /// Contacts among which blocks are left out; more would take longer and choose the same.
 const MOST_CONTACTS: usize = 4_000;
-
-/// Difference of heights between contacts over nearly the same place, in units of the relief, above which they lie on several sheets: two
-/// that go round a body differ by as much as the relief, and no field comes nearer to both.
-const SHEETS: f64 = 0.7;
 
 /// A height field, and how well it predicts.
 #[derive(Clone, Debug)]
@@ -119,8 +100,13 @@ impl FieldForm {
 
 /// Chooses a field and fits it over these axes (rows x, y, z). `None` where there are too few contacts to leave any out, and where they
 /// lie on several sheets.
-pub fn flexible(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) -> Option<Result<Flexible, FitError>> {
-    Some(FieldChoice::of(contacts, axes, options)?.fitted(contacts, options))
+pub fn flexible(
+    contacts: &Contacts,
+    axes: [Vector; 3],
+    options: &FitOptions,
+    tuning: &Tuning,
+) -> Option<Result<Flexible, FitError>> {
+    Some(FieldChoice::of(contacts, axes, options, tuning)?.fitted(contacts, options))
 }
 
 /// A height field that was chosen and not fitted to all contacts yet.
@@ -136,15 +122,26 @@ pub(crate) struct FieldChoice {
 
 impl FieldChoice {
     /// As [`flexible`].
-    pub(crate) fn of(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) -> Option<FieldChoice> {
-        FieldChoice::by((FieldSample::unpenalised, AS_GOOD), contacts, axes, options)
+    pub(crate) fn of(
+        contacts: &Contacts,
+        axes: [Vector; 3],
+        options: &FitOptions,
+        tuning: &Tuning,
+    ) -> Option<FieldChoice> {
+        let either = |sample: &FieldSample| sample.unpenalised();
+        FieldChoice::by((either, tuning.field_as_good), contacts, axes, options, tuning)
     }
 
     /// The same by single contacts left out, and of smoothed fields the best: of a detail that is narrower than a block, blocks tell nothing,
     /// and one that few contacts show is hardly worse predicted by a field that does not follow it.
-    pub(super) fn of_detail(contacts: &Contacts, axes: [Vector; 3], options: &FitOptions) -> Option<FieldChoice> {
+    pub(super) fn of_detail(
+        contacts: &Contacts,
+        axes: [Vector; 3],
+        options: &FitOptions,
+        tuning: &Tuning,
+    ) -> Option<FieldChoice> {
         let single = |sample: &FieldSample| (sample.each_left_out(LeftOut::Contacts), LeftOut::Contacts);
-        FieldChoice::by((single, 1.0), contacts, axes, options)
+        FieldChoice::by((single, 1.0), contacts, axes, options, tuning)
     }
 
     /// By these fields without a cost, and the coarsest smoothed one that predicts as well as the best up to this factor.
@@ -153,6 +150,7 @@ impl FieldChoice {
         contacts: &Contacts,
         axes: [Vector; 3],
         options: &FitOptions,
+        tuning: &Tuning,
     ) -> Option<FieldChoice> {
         let frame = Frame { axes, ..Frame::IDENTITY };
         let point = |r: usize| [contacts.x[r], contacts.y[r], contacts.z[r]];
@@ -162,15 +160,15 @@ impl FieldChoice {
         let [x, y, z] = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).collect());
         let few = Contacts { x, y, z, orientation: Orientation::None, ..contacts.clone() }.in_order(&chosen);
         let relief = relief(&points);
-        if are_sheets(&few, relief) {
+        if are_sheets(&few, relief, tuning.field_sheets) {
             return None;
         }
-        let sample = FieldSample { box_of: [extent(&few.x), extent(&few.y)], contacts: few, relief };
+        let sample = FieldSample { box_of: [extent(&few.x), extent(&few.y)], contacts: few, relief, tuning };
         let (tried, out) = unpenalised(&sample);
-        let coarse = tried[coarsest_of(&tried, AS_GOOD)?];
+        let coarse = tried[coarsest_of(&tried, tuning.field_as_good)?];
         // a cost that was named stays
         let smoothed = if options.smooth == Smooth::None { sample.smoothed(out) } else { Vec::new() };
-        let as_good = |at: &usize| smoothed.get(*at).is_some_and(|field| field.1 <= AS_GOOD * coarse.1);
+        let as_good = |at: &usize| smoothed.get(*at).is_some_and(|field| field.1 <= tuning.field_as_good * coarse.1);
         let best =
             coarsest_of(&smoothed, as_well).filter(as_good).map(|at| if as_good(&(at + 1)) { at + 1 } else { at });
         let (form, error) = best.map_or(coarse, |at| smoothed[at]);
@@ -197,12 +195,12 @@ fn coarsest_of(tried: &[(FieldForm, f64)], as_well: f64) -> Option<usize> {
 }
 
 /// Whether contacts next to each other over x and y differ in height as those of several sheets do.
-fn are_sheets(few: &Contacts, relief: f64) -> bool {
+fn are_sheets(few: &Contacts, relief: f64, apart_by: f64) -> bool {
     let places: Vec<Vector> = few.x.iter().zip(&few.y).map(|(x, y)| [*x, *y, 0.0]).collect();
     let tree = Neighbours::new(&places);
     let apart = |i: usize| Some(few.z[i] - few.z[tree.nearest_other(i)?.1]);
     let squares: Vec<f64> = (0..few.len()).filter_map(apart).map(|dz| 0.5 * dz * dz).collect();
-    squares.iter().sum::<f64>() > SHEETS * SHEETS * relief * relief * squares.len().max(1) as f64
+    squares.iter().sum::<f64>() > apart_by * apart_by * relief * relief * squares.len().max(1) as f64
 }
 
 /// What is left out at a time.
@@ -213,16 +211,18 @@ enum LeftOut {
 }
 
 /// Contacts over x and y by which fields are chosen.
-struct FieldSample {
+struct FieldSample<'a> {
     contacts: Contacts,
     box_of: [[f64; 2]; 2],
     relief: f64,
+    tuning: &'a Tuning,
 }
 
-impl FieldSample {
+impl FieldSample<'_> {
     /// Fields without a cost, and what was left out for them.
     fn unpenalised(&self) -> (Vec<(FieldForm, f64)>, LeftOut) {
-        let predicted = |tried: &[(FieldForm, f64)]| tried.iter().any(|t| t.1 < UNPREDICTED * self.relief);
+        let [_, unpredicted] = self.tuning.field_risen;
+        let predicted = |tried: &[(FieldForm, f64)]| tried.iter().any(|t| t.1 < unpredicted * self.relief);
         let blocks = self.each_left_out(LeftOut::Blocks);
         if !predicted(&blocks) {
             let fine = self.each_left_out(LeftOut::Contacts);
@@ -236,16 +236,17 @@ impl FieldSample {
     /// Segments with the error of contacts left out, up to where finer fields follow noise.
     fn each_left_out(&self, out: LeftOut) -> Vec<(FieldForm, f64)> {
         let mut tried: Vec<(FieldForm, f64)> = Vec::new();
+        let Tuning { field_risen: [risen, unpredicted], field_per_unknown: [coarse, fine, _], .. } = *self.tuning;
         let (all, per_unknown) = match out {
-            LeftOut::Blocks => (&SEGMENTS[..], PER_UNKNOWN),
-            LeftOut::Contacts => (&FINE_SEGMENTS[..], PER_FINE_UNKNOWN),
+            LeftOut::Blocks => (&SEGMENTS[..], coarse),
+            LeftOut::Contacts => (&FINE_SEGMENTS[..], fine),
         };
         for &segments in all {
             let form = FieldForm { segments: alike(segments, self.box_of), smoothed: false };
             let Some(error) = self.error_of(form, Smooth::None, per_unknown, out) else { break };
             tried.push((form, error));
             let least = tried.iter().map(|t| t.1).fold(f64::INFINITY, f64::min);
-            if least < UNPREDICTED * self.relief && error > RISEN * least {
+            if least < unpredicted * self.relief && error > risen * least {
                 break;
             }
         }
@@ -255,13 +256,11 @@ impl FieldSample {
     /// The same of smoothed fields, up to where two finer ones predict no better.
     fn smoothed(&self, out: LeftOut) -> Vec<(FieldForm, f64)> {
         let mut tried: Vec<(FieldForm, f64)> = Vec::new();
+        let [.., per_unknown] = self.tuning.field_per_unknown;
         for segments in SMOOTHED_SEGMENTS {
             let form = FieldForm { segments: alike(segments, self.box_of), smoothed: true };
-            let Some(error) =
-                self.likeliest_cost(form).and_then(|cost| self.error_of(form, cost, PER_SMOOTHED_UNKNOWN, out))
-            else {
-                break;
-            };
+            let error = self.likeliest_cost(form).and_then(|cost| self.error_of(form, cost, per_unknown, out));
+            let Some(error) = error else { break };
             tried.push((form, error));
             // along a narrow side two sizes may have the same segments, and the longer side alone predicts no better
             if let [.., (_, before), (_, one), (_, two)] = tried[..]
@@ -338,14 +337,17 @@ mod tests {
     use super::*;
     use palpate_numeric::draws::Lcg;
 
+    fn chosen(contacts: &Contacts) -> Flexible {
+        flexible(contacts, Frame::IDENTITY.axes, &FitOptions::default(), &Tuning::default()).unwrap().unwrap()
+    }
+
     #[test]
     fn waves_call_for_segments_and_are_predicted() {
         let points: Vec<Vector> = (0..1600)
             .map(|i| [(i % 40) as f64 * 0.2, (i / 40) as f64 * 0.2])
             .map(|[x, y]| [x, y, (2.0 * x).sin() + 0.01 * (37.0 * x + 91.0 * y).sin()])
             .collect();
-        let found =
-            flexible(&Contacts::from_points(&points), Frame::IDENTITY.axes, &FitOptions::default()).unwrap().unwrap();
+        let found = chosen(&Contacts::from_points(&points));
         assert!(found.tried.len() > 3 && found.error < 0.2 * found.relief, "{:?} of {}", found.tried, found.relief);
         assert!(found.fit.options().segments[0] >= 8);
     }
@@ -356,8 +358,7 @@ mod tests {
             .map(|i| [(i % 20) as f64 * 0.5, (i / 20) as f64 * 0.5])
             .map(|[x, y]| [x, y, x.sin() + (1.3 * y).cos().powi(2)])
             .collect();
-        let found =
-            flexible(&Contacts::from_points(&points), Frame::IDENTITY.axes, &FitOptions::default()).unwrap().unwrap();
+        let found = chosen(&Contacts::from_points(&points));
         assert!(found.error < 0.25 * found.relief, "{:?} of {}", found.tried, found.relief);
     }
 
@@ -370,7 +371,7 @@ mod tests {
             [x, y, 1.5 * (-(x * x + y * y) / 18.0).exp() + 0.03 * generator.normal()]
         };
         let contacts = Contacts::from_points(&(0..900).map(|_| place()).collect::<Vec<Vector>>());
-        let found = flexible(&contacts, Frame::IDENTITY.axes, &FitOptions::default()).unwrap().unwrap();
+        let found = chosen(&contacts);
         assert_eq!(found.fit.options().smooth, Smooth::Auto, "{:?}", found.tried);
         let cubic = FitOptions::default().with_degree(DEGREE).with_segments(4, 4);
         let errors = [&found.fit, &fit_contacts(&contacts, &cubic).unwrap()].map(|fit| {
@@ -389,8 +390,7 @@ mod tests {
     fn two_sheets_over_each_other_are_not_predicted() {
         let points: Vec<Vector> =
             (0..800).map(|i| [(i % 20) as f64, (i / 20) as f64, if i * 7 % 2 == 0 { 0.0 } else { 5.0 }]).collect();
-        let found =
-            flexible(&Contacts::from_points(&points), Frame::IDENTITY.axes, &FitOptions::default()).unwrap().unwrap();
+        let found = chosen(&Contacts::from_points(&points));
         assert!(found.error > 0.5 * found.relief);
     }
 }

@@ -88,7 +88,7 @@ pub fn shown(
                 if let RecognitionError::SeveralThings { misfit, .. } = &error { *misfit } else { f64::INFINITY };
             let contacts = contacts();
             let field = request.axes(&contacts).into_iter().find_map(|axes| {
-                let field = flexible(&contacts, axes, request.fit).and_then(Result::ok);
+                let field = flexible(&contacts, axes, request.fit, tuning).and_then(Result::ok);
                 field.filter(|field| field.error < (tuning.field_predicts * field.relief).min(most))
             });
             field.map(|field| Shown::Flexible(Box::new(field), None)).ok_or(error)
@@ -170,7 +170,7 @@ fn offsets(found: &Recognition, contacts: &Contacts) -> Offsets {
 }
 
 /// How a field is chosen for contacts over some axes.
-type ChoiceOfField = fn(&Contacts, [Vector; 3], &FitOptions) -> Option<FieldChoice>;
+type ChoiceOfField = fn(&Contacts, [Vector; 3], &FitOptions, &Tuning) -> Option<FieldChoice>;
 
 /// A flexible height field whose error at left-out contacts is below this share of the misfit of what was found. Both are compared
 /// on the contacts that belong to that, so that strays decide nothing.
@@ -185,9 +185,10 @@ fn instead(
     let numbers: Vec<u32> = belonging.iter().map(|(_, r)| *r).collect();
     let those = contacts.in_order(&numbers);
     let up = found.frame.rotate_back([0.0, 0.0, 1.0]);
-    let level = request.recognition.tuning.field_level;
-    request.axes(&those).into_iter().filter(|axes| dot(axes[2], up).abs() >= level).find_map(|axes| {
-        let field = choice(&those, axes, request.fit)?;
+    let tuning = &request.recognition.tuning;
+    let is_level = |axes: &[Vector; 3]| dot(axes[2], up).abs() >= tuning.field_level;
+    request.axes(&those).into_iter().filter(is_level).find_map(|axes| {
+        let field = choice(&those, axes, request.fit, tuning)?;
         // errors are along the axes' z and distances along the surface's normal
         if dot(axes[2], up).abs() * field.error >= share * rms {
             return None;

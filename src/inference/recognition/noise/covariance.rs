@@ -3,7 +3,7 @@
 //! ```text
 //! Sigma = s^2 (D + rho exp(-r_ij/l))       r between feet;  rho in {0} u 10^{-1..4},  l in {0.12, 0.3, 0.75, 2}
 //! prior: half on rho = 0, the rest shared equally;   times exp(-(tau/limit)^2/2),  tau = s sqrt(rho)
-//! limit = max(0.1 relief, 2 e),  e = mad(d_i - d_nearest) / sqrt 2
+//! limit = max(r relief, m e),  e = mad(d_i - d_nearest) / sqrt 2,  [r, m] = `Tuning::shared_up_to`
 //! ```
 //!
 //! The exponential kernel is a rough one on purpose: a smooth kernel of long range looks like curvature and would take
@@ -15,6 +15,7 @@ use std::sync::OnceLock;
 
 use faer::Mat;
 
+use crate::bodies::Tuning;
 use crate::dense;
 use crate::recognition::contacts::{Cells, Floors};
 use palpate_numeric::statistics::{ExponentialCorrelation, mad};
@@ -22,15 +23,6 @@ use palpate_numeric::vector::{minus, norm};
 
 const LENGTHS: [f64; 4] = [0.12, 0.3, 0.75, 2.0];
 const RATIOS: [f64; 6] = [0.1, 1.0, 10.0, 100.0, 1e3, 1e4];
-
-/// Share of the relief that a sensor may err by.
-const OF_RELIEF: f64 = 0.1;
-
-/// Multiple of the differences between nearest contacts that a sensor may err by.
-const OF_DIFFERENCES: f64 = 2.0;
-
-/// Errors larger than this multiple of the limit are not considered.
-const CUT: f64 = 1.5;
 
 /// One node of the grid over rho and l.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,19 +128,22 @@ pub(crate) fn distances_between(cells: &Cells) -> Mat<f64> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Limit {
     pub(crate) limit: f64,
+    /// Multiple of it beyond which an error is not considered.
+    most: f64,
 }
 
 impl Limit {
     /// From the relief and the differences of residuals between contacts with the nearest feet.
-    pub(crate) fn new(pairs: &[[usize; 2]], residuals: &[f64], relief: f64) -> Limit {
+    pub(crate) fn new(pairs: &[[usize; 2]], residuals: &[f64], relief: f64, tuning: &Tuning) -> Limit {
         let differences = pairs.iter().map(|&[i, j]| residuals[i] - residuals[j]);
         let nearest = mad(differences) / std::f64::consts::SQRT_2;
-        Limit { limit: (OF_RELIEF * relief).max(OF_DIFFERENCES * nearest) }
+        let [of_relief, of_differences] = tuning.shared_up_to;
+        Limit { limit: (of_relief * relief).max(of_differences * nearest), most: tuning.shared_beyond }
     }
 
     /// Log of the prior of a shared error's size; `None` where the error is too large to be considered.
     pub(crate) fn log_prior(&self, tau: f64) -> Option<f64> {
         let size = tau / self.limit;
-        (size <= CUT).then_some(-0.5 * size * size)
+        (size <= self.most).then_some(-0.5 * size * size)
     }
 }

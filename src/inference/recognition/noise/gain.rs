@@ -1,7 +1,7 @@
 //! A sensor whose normals are all too steep, or all too flat, by one factor.
 //!
 //! ```text
-//! slopes measured = (1 + g) slopes true          g ~ N(0, GAIN^2), one for all normals
+//! slopes measured = (1 + g) slopes true          g ~ N(0, `Tuning::gain`^2), one for all normals
 //! y_n = .. + g v,   v = (n.a) ((n.a) n - a) . t  a: normal of the patch's frame, n: of the surface, t: tangent
 //! taken out of the rows as `shared_error.rs` says
 //! ```
@@ -14,23 +14,20 @@
 //! without a gain. That this surface is none of the simple ones is no reason for a gain, however much likelier simple ones are before
 //! the contacts are looked at: a gain is believed where no surface explains both as well.
 
-use super::shared_error::{FEWEST_CELLS, SharedError, ToldOfShared};
+use super::shared_error::{SharedError, ToldOfShared};
+use crate::bodies::Tuning;
 use crate::recognition::contacts::Cells;
 use crate::recognition::kinds::{Kind, Model};
 use palpate_numeric::vector::{dot, minus, scaled, unit};
-
-/// Prior standard deviation of the gain. Slopes that are wrong by half are within 2.5 of it; for precise normals its size hardly
-/// counts.
-const GAIN: f64 = 0.2;
-
-/// Gains up to this multiple of [`GAIN`] are believed. On a plane whose normals lean by an angle of their own "95 % flatter" would say it.
-const MOST_GAINS: f64 = 3.0;
 
 /// What a gain does to the normals of every cell.
 #[derive(Clone, Debug)]
 pub(crate) struct Gain {
     /// v along both tangents.
     steeper: [Vec<f64>; 2],
+    /// Prior standard deviation of the gain, and the multiple of it up to which one is believed.
+    sd: f64,
+    most: f64,
     /// What the rows say of it that it was taken out of.
     told: Option<ToldOfShared>,
 }
@@ -38,26 +35,25 @@ pub(crate) struct Gain {
 impl Gain {
     /// About the general surface under a displacement of these slopes along both tangents; `None` without normals, or where positions
     /// are too few to tell by themselves how the surface bends.
-    pub(crate) fn new(cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<Gain> {
-        cells.normals.as_ref().filter(|_| cells.points.len() >= FEWEST_CELLS)?;
-        let general = models.iter().find(|m| m.kind() == Kind::General)?;
-        let normal = |i: usize| {
-            let (_, n) = general.distance_and_normal(cells.points[i]);
-            let Some(slopes) = slopes else { return n };
-            unit(minus(n, cells.gradient(i, n, [slopes[0][i], slopes[1][i]])))
-        };
-        let of = |side: usize, i: usize| {
-            let n = normal(i);
-            let steep = n[2];
-            dot(scaled(steep, minus(scaled(steep, n), [0.0, 0.0, 1.0])), cells.tangents[side][i])
-        };
-        let steeper = [0, 1].map(|side| (0..cells.points.len()).map(|i| of(side, i)).collect());
-        Some(Gain { steeper, told: None })
+    pub(crate) fn new(
+        cells: &Cells,
+        models: &[Model],
+        slopes: Option<&[Vec<f64>; 2]>,
+        tuning: &Tuning,
+    ) -> Option<Gain> {
+        cells.normals.as_ref().filter(|_| cells.points.len() >= tuning.rare_error_from)?;
+        let steeper = steeper(cells, models, slopes)?;
+        Some(Gain { steeper, sd: tuning.gain, most: tuning.most_gains, told: None })
+    }
+
+    /// The same gain about another surface.
+    pub(crate) fn about(&self, cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<Gain> {
+        Some(Gain { steeper: steeper(cells, models, slopes)?, told: None, ..*self })
     }
 
     /// The gain as an error that all normals share.
     pub(super) fn shared(&self) -> SharedError {
-        SharedError { along: self.steeper.clone(), sd: GAIN }
+        SharedError { along: self.steeper.clone(), sd: self.sd }
     }
 
     /// Keeps what its rows said when it was taken out of them.
@@ -67,13 +63,29 @@ impl Gain {
 
     /// Whether a sensor may be so wrong.
     pub(crate) fn is_believable(&self, coefficients: &[f64]) -> bool {
-        self.mean(coefficients).is_some_and(|gain| gain.abs() <= MOST_GAINS * GAIN)
+        self.mean(coefficients).is_some_and(|gain| gain.abs() <= self.most * self.sd)
     }
 
     /// Mean of the gain where the columns have these coefficients.
     pub(crate) fn mean(&self, coefficients: &[f64]) -> Option<f64> {
         self.told.as_ref().map(|told| told.mean(coefficients))
     }
+}
+
+/// v along both tangents of every cell, about the general surface under a displacement of these slopes.
+fn steeper(cells: &Cells, models: &[Model], slopes: Option<&[Vec<f64>; 2]>) -> Option<[Vec<f64>; 2]> {
+    let general = models.iter().find(|m| m.kind() == Kind::General)?;
+    let normal = |i: usize| {
+        let (_, n) = general.distance_and_normal(cells.points[i]);
+        let Some(slopes) = slopes else { return n };
+        unit(minus(n, cells.gradient(i, n, [slopes[0][i], slopes[1][i]])))
+    };
+    let of = |side: usize, i: usize| {
+        let n = normal(i);
+        let steep = n[2];
+        dot(scaled(steep, minus(scaled(steep, n), [0.0, 0.0, 1.0])), cells.tangents[side][i])
+    };
+    Some([0, 1].map(|side| (0..cells.points.len()).map(|i| of(side, i)).collect()))
 }
 
 #[cfg(test)]

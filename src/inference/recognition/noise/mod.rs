@@ -22,6 +22,5 @@ pub(crate) use gain::Gain;
 pub(crate) use normals::NormalNoise;
 pub(crate) use position_covariance::PlaceErrors;
 pub(crate) use regression_calibration::set_back;
-pub(crate) use shared_error::RARE as RARE_ERROR;
 pub(crate) use slope_dependent_variance::weighed;
 pub(crate) use tilt::Tilt;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! E (d_i - d_j)^2 / 2 = s_z^2 (n_z^2 + r (1 - n_z^2))        i, j with the nearest feet;  s_xy^2 = r s_z^2
-//! P(r | d) ~ p(r) L(d | r)^(1/2)                              p(0) = p(1) = 8 p(r < 1) = 8 r^2 p(r > 1)
+//! P(r | d) ~ p(r) L(d | r)^(1/2)          p(0) = p(1) = p(r < 1) / `Tuning::other_ratio` = r^2 p(r > 1) / `Tuning::other_ratio`
 //! ```
 //!
 //! On level ground errors in x and y do not show, on slopes they do. Where nothing tells them, errors along z alone, as simulations
@@ -10,33 +10,15 @@
 //! between neighbours leave out how the shape departs from the robust surface. Each contact is in two pairs on average, hence the
 //! root. On a patch that stands upright the distances are errors across z, and ratios below 1 are not asked for.
 
+use crate::bodies::Tuning;
 use crate::recognition::start::Patch;
 use palpate_numeric::statistics::mad;
-
-/// Pairs from which on the ratio is asked for. Fewer lie so far apart that the shape's departure differs between them.
-const FEWEST_PAIRS: usize = 100;
 
 /// Ratios of the variances.
 const RATIOS: [f64; 8] = [0.0, 1.0 / 16.0, 0.25, 1.0, 4.0, 16.0, 64.0, 256.0];
 
-/// Prior probability of a ratio that is neither 0 nor 1, over that of those two.
-const OTHER: f64 = 1.0 / 8.0;
-
-/// Probability with which a ratio above 1 counts as shown.
-const SHOWN: f64 = 0.95;
-
 /// Least relative variance of a pair: a few contacts on walls must not decide alone.
 const LEAST_VARIANCE: f64 = 0.1;
-
-/// Mean of `n_z^2` below which a patch stands upright.
-const UPRIGHT: f64 = 0.5;
-
-/// Share of the distances' scale below which differences between neighbours are no errors of single contacts, but how errors that
-/// neighbours share, or a departure, change from one to the next.
-const SINGLE: f64 = 0.5;
-
-/// Differences beyond this multiple of their scale are blunders.
-const BLUNDER: f64 = 6.0;
 
 /// Variances of one contact's place, in units of the patch's size.
 #[derive(Clone, Copy, Debug)]
@@ -56,8 +38,8 @@ pub(crate) struct PlaceErrors {
 impl PlaceErrors {
     /// Of the contacts of a patch, some of them with the one whose foot is nearest; `declared` is the known sd in x and in y, input units, and 0 where
     /// it is not known.
-    pub(crate) fn of(patch: &Patch, nearest: &[[usize; 2]], declared: f64) -> PlaceErrors {
-        let pairs = pairs(patch, nearest);
+    pub(crate) fn of(patch: &Patch, nearest: &[[usize; 2]], declared: f64, tuning: &Tuning) -> PlaceErrors {
+        let pairs = pairs(patch, nearest, tuning.place_blunder);
         let whole = pairs.iter().map(|(q, _)| q).sum::<f64>() / pairs.len().max(1) as f64;
         if declared > 0.0 {
             let across = (declared / patch.frame.scale).powi(2);
@@ -66,43 +48,44 @@ impl PlaceErrors {
             return PlaceErrors { along_z, across, doubt: 0.0, weigh: true, shown: false };
         }
         let scale = mad(patch.distances.iter().copied());
-        if pairs.len() < FEWEST_PAIRS || whole.sqrt() < SINGLE * scale {
+        if pairs.len() < tuning.place_pairs || whole.sqrt() < tuning.single_errors * scale {
             // between none along the surface and as large ones as across it, alike in all directions however the patch lies
             let half = 0.5 * whole;
             return PlaceErrors { along_z: half, across: half, doubt: half, weigh: false, shown: false };
         }
-        by_evidence(&pairs)
+        by_evidence(&pairs, tuning)
     }
 }
 
-/// Half the squared differences of distances between contacts with the nearest feet, and `1 - n_z^2` there.
-fn pairs(patch: &Patch, nearest: &[[usize; 2]]) -> Vec<(f64, f64)> {
+/// Half the squared differences of distances between contacts with the nearest feet, and `1 - n_z^2` there; without differences beyond
+/// this multiple of their scale.
+fn pairs(patch: &Patch, nearest: &[[usize; 2]], blunder: f64) -> Vec<(f64, f64)> {
     let found: Vec<(f64, usize)> = nearest.iter().map(|&[i, j]| (patch.distances[i] - patch.distances[j], i)).collect();
     let scale = mad(found.iter().map(|(d, _)| *d));
-    let sound = found.into_iter().filter(|(d, _)| d.abs() <= BLUNDER * scale);
+    let sound = found.into_iter().filter(|(d, _)| d.abs() <= blunder * scale);
     sound.map(|(d, i)| (0.5 * d * d, (1.0 - patch.upright(patch.feet[i]).powi(2)).max(0.0))).collect()
 }
 
 /// Means of both variances over the ratios.
-fn by_evidence(pairs: &[(f64, f64)]) -> PlaceErrors {
+fn by_evidence(pairs: &[(f64, f64)], tuning: &Tuning) -> PlaceErrors {
     let n = pairs.len() as f64;
     let of = |ratio: f64| {
         let relative = |slope: f64| 1.0 - slope + ratio * slope;
         let kept = || pairs.iter().map(|(q, slope)| (q, relative(*slope).max(LEAST_VARIANCE)));
         let variance = kept().map(|(q, v)| q / v).sum::<f64>() / n;
         let log = -0.5 * (kept().map(|(_, v)| v.ln()).sum::<f64>() + n * variance.max(1e-30).ln());
-        let prior = if ratio == 0.0 || ratio == 1.0 { 1.0 } else { OTHER * ratio.max(1.0).powi(-2) };
+        let prior = if ratio == 0.0 || ratio == 1.0 { 1.0 } else { tuning.other_ratio * ratio.max(1.0).powi(-2) };
         (0.5 * log + f64::ln(prior), variance)
     };
     let level = pairs.iter().map(|(_, slope)| 1.0 - slope).sum::<f64>() / n;
-    let asked = |ratio: f64| ratio >= 1.0 || level >= UPRIGHT;
+    let asked = |ratio: f64| ratio >= 1.0 || level >= tuning.stands_upright;
     let found = RATIOS.map(|ratio| if asked(ratio) { of(ratio) } else { (f64::NEG_INFINITY, 0.0) });
     let largest = found.iter().map(|(log, _)| *log).fold(f64::NEG_INFINITY, f64::max);
     let weights = found.map(|(log, _)| (log - largest).exp());
     let sum: f64 = weights.iter().sum();
     let mean = |of: &dyn Fn(usize) -> f64| (0..RATIOS.len()).map(|k| weights[k] * of(k)).sum::<f64>() / sum;
     let across = mean(&|k| RATIOS[k] * found[k].1);
-    let shown = mean(&|k| f64::from(u8::from(RATIOS[k] > 1.0))) > SHOWN;
+    let shown = mean(&|k| f64::from(u8::from(RATIOS[k] > 1.0))) > tuning.certain;
     PlaceErrors {
         along_z: mean(&|k| found[k].1),
         across,
@@ -129,13 +112,14 @@ mod tests {
                 })
                 .collect()
         };
-        let found = by_evidence(&pairs(1.0, 16.0, 0.25));
+        let told = |pairs: Vec<(f64, f64)>| by_evidence(&pairs, &Tuning::default());
+        let found = told(pairs(1.0, 16.0, 0.25));
         assert!(found.weigh && (12.0..20.0).contains(&found.across), "{found:?}");
-        let found = by_evidence(&pairs(1.0, 1.0, 0.25));
+        let found = told(pairs(1.0, 1.0, 0.25));
         assert!(!found.weigh && (0.5..1.5).contains(&found.across), "{found:?}");
-        let found = by_evidence(&pairs(1.0, 0.0, 0.25));
+        let found = told(pairs(1.0, 0.0, 0.25));
         assert!(!found.weigh && found.across < 0.5, "{found:?}");
-        let found = by_evidence(&pairs(1.0, 0.0, 0.0));
+        let found = told(pairs(1.0, 0.0, 0.0));
         assert!(!found.weigh && (0.3..1.0).contains(&found.across) && found.doubt > 0.4, "{found:?}");
     }
 }

@@ -13,13 +13,6 @@ use faer::Mat;
 use crate::dense;
 use palpate_numeric::linalg;
 
-/// Log odds against a sensor with such an error: one in twenty.
-pub(crate) const RARE: f64 = 3.0;
-
-/// Cells from which on positions tell a surface by themselves: twice the unknowns of the general surface. Five touches whose heights hardly bend had a gain (`gain.rs`) that turned a cap into a
-/// cup.
-pub(super) const FEWEST_CELLS: usize = 12;
-
 /// One error that all normals share.
 #[derive(Clone, Debug)]
 pub(super) struct SharedError {

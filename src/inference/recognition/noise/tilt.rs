@@ -2,37 +2,32 @@
 //!
 //! ```text
 //! n measured = n + w x n          w = (w_x, w_y, 0),   w_x, w_y ~ N(0, sd^2), one for all normals
-//! sd = min(LARGEST_TILT, TILT_OVER_SCATTER s_n)    s_n: sd of a cell's normals
+//! sd = min(largest, times s_n)    [largest, times] = `Tuning::tilt`,   s_n: sd of a cell's normals
 //! ```
 //!
 //! It moves no curvature: it only turns the whole surface that normals show against the one that positions show. Rows that do not know of
 //! it take the difference for noise, or for a departure in which both agree. Where normals may be turned they do not say how a patch lies,
 //! and under three fingers, whose heights lie on a circle, intervals are twice as wide for that: such a sensor is one of few.
 
-use super::shared_error::{FEWEST_CELLS, SharedError, ToldOfShared};
+use super::shared_error::{SharedError, ToldOfShared};
+use crate::bodies::Tuning;
 use crate::recognition::contacts::Cells;
 use palpate_numeric::vector::{cross, dot};
-
-/// Prior standard deviation of either angle at most, in radians: three degrees, as of what is mounted by eye. Eight are found as well, for
-/// contacts tell an angle to a tenth of that.
-const LARGEST_TILT: f64 = 0.05;
-
-/// The same over the scatter of normals: those that err by 0.4 degrees may be turned by three. A sensor whose normals are exact is not askew: positions would then have to say how the patch
-/// lies, and what a step between the two leaves is more than such normals err by.
-const TILT_OVER_SCATTER: f64 = 8.0;
 
 /// The angles about both axes across the patch.
 #[derive(Clone, Debug)]
 pub(crate) struct Tilt {
     about: [[Vec<f64>; 2]; 2],
+    /// Prior standard deviation of either, at most and over the scatter of normals.
+    sds: [f64; 2],
     /// What the rows say of each that it was taken out of.
     told: Vec<ToldOfShared>,
 }
 
 impl Tilt {
     /// `None` without normals, or where positions are too few to tell how the surface lies.
-    pub(crate) fn new(cells: &Cells) -> Option<Tilt> {
-        let normals = cells.normals.as_ref().filter(|_| cells.points.len() >= FEWEST_CELLS)?;
+    pub(crate) fn new(cells: &Cells, tuning: &Tuning) -> Option<Tilt> {
+        let normals = cells.normals.as_ref().filter(|_| cells.points.len() >= tuning.rare_error_from)?;
         let about = |axis| {
             let of = |side: usize| {
                 let turned = normals.measured.iter().map(|n| cross(axis, *n));
@@ -40,12 +35,13 @@ impl Tilt {
             };
             [of(0), of(1)]
         };
-        Some(Tilt { about: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(about), told: Vec::new() })
+        Some(Tilt { about: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(about), sds: tuning.tilt, told: Vec::new() })
     }
 
     /// The angles as errors that all normals share, where those of a cell scatter by this variance.
     pub(super) fn shared(&self, variance: f64) -> impl Iterator<Item = SharedError> {
-        let sd = LARGEST_TILT.min(TILT_OVER_SCATTER * variance.sqrt());
+        let [largest, over_scatter] = self.sds;
+        let sd = largest.min(over_scatter * variance.sqrt());
         self.about.iter().map(move |along| SharedError { along: along.clone(), sd })
     }
 

@@ -55,7 +55,7 @@ impl Region {
         options: &RecognitionOptions,
     ) -> Region {
         let charts: Vec<[f64; 2]> = patch.points.iter().map(|p| base.chart(*p)).collect();
-        let support = Support::new(&patch.feet, &charts, evidence.cells);
+        let support = Support::new(&patch.feet, &charts, evidence.cells, &options.tuning);
         let [u, v] = [support.range(0), support.range(1)];
         let displacement: Option<Displacement> = evidence.displacement.cloned();
         let support = Arc::new(support.into_owned());

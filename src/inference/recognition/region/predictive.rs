@@ -13,10 +13,6 @@ use palpate_numeric::vector::{Vector, cross, dot, minus, unit};
 use super::projected_grid::LookedAt;
 use super::surface::PatchSurface;
 
-/// Share of the draws that touches are predicted on: 128 of 400. With all of them a look takes three times as long, and u(R)
-/// after 60 touches is a tenth smaller on balls and the same on other bodies (`benches/runs/explore.md`).
-const PREDICTED: f64 = 0.32;
-
 /// Draws of a node at least.
 const FEWEST_DRAWS: usize = 2;
 
@@ -62,9 +58,9 @@ impl PredictiveDraw {
     }
 }
 
-/// How many of a node's draws touches are predicted on.
-pub(crate) fn predicted(draws: usize) -> usize {
-    ((PREDICTED * draws as f64).ceil() as usize).max(FEWEST_DRAWS).min(draws)
+/// How many of a node's draws touches are predicted on, of which they are this share.
+pub(crate) fn predicted(draws: usize, share: f64) -> usize {
+    ((share * draws as f64).ceil() as usize).max(FEWEST_DRAWS).min(draws)
 }
 
 /// The reported surface at places of the input's x and y.

@@ -8,6 +8,7 @@
 //! The widest gap is the largest edge of the cells' minimum spanning tree, at most four times its median edge: the paths of
 //! a few fingers are far apart, and what lies between two of them is still the touched surface.
 
+use crate::bodies::Tuning;
 use crate::recognition::contacts::Cells;
 use crate::recognition::start::thinned;
 use palpate_geometry::convex_hull::{convex_hull, turn};
@@ -17,14 +18,6 @@ use palpate_numeric::vector::{Vector, dot, minus, norm};
 
 /// Contacts whose nearest neighbours are looked up.
 const SAMPLE: usize = 4000;
-
-/// Growth from one edge to the next longer one that tells repeats of a site from its neighbours: repeats differ by noise,
-/// sites by the step of the finger. Along a finger and across fingers the steps differ less.
-const SUDDEN: f64 = 5.0;
-
-/// Share of the reach by which a point may lie outside the outline. Errors move the contacts on the outline by less than
-/// their distance from each other, and the edge of an even grid would otherwise be inside here and outside there.
-const BEYOND: f64 = 0.03;
 
 /// The region that contacts support.
 #[derive(Clone, Debug)]
@@ -37,14 +30,14 @@ pub(super) struct Support<'a> {
 
 impl<'a> Support<'a> {
     /// Of contacts, by their feet, with their chart positions.
-    pub(crate) fn new(feet: &'a [Vector], charts: &[[f64; 2]], cells: &Cells) -> Support<'a> {
+    pub(crate) fn new(feet: &'a [Vector], charts: &[[f64; 2]], cells: &Cells, tuning: &Tuning) -> Support<'a> {
         let tree = Neighbours::new(feet);
         let sample = thinned(feet, SAMPLE);
         let nearest: Vec<f64> = sample.iter().filter_map(|&i| tree.nearest_other(i).map(|(d, _)| d)).collect();
         let rank = nearest.len() * 95 / 100;
         let quantile = order_statistic(nearest, rank).unwrap_or(0.0);
-        let reach = (3.0 * quantile).max(1.1 * widest_gap(&cells.feet));
-        Support { hull: convex_hull(charts), tree, reach, beyond: BEYOND * reach }
+        let reach = (3.0 * quantile).max(1.1 * widest_gap(&cells.feet, tuning.site_from_repeats));
+        Support { hull: convex_hull(charts), tree, reach, beyond: tuning.beyond_outline * reach }
     }
 
     /// The same region, independent of the contacts' lifetime.
@@ -69,8 +62,9 @@ impl<'a> Support<'a> {
     }
 }
 
-/// Largest edge of the minimum spanning tree (R. C. Prim, 1957), at most four times the median edge.
-fn widest_gap(points: &[Vector]) -> f64 {
+/// Largest edge of the minimum spanning tree (R. C. Prim, 1957), at most four times the median edge, without those of repeats
+/// ([`repeats`]).
+fn widest_gap(points: &[Vector], sudden: f64) -> f64 {
     let n = points.len();
     let mut nearest = vec![f64::INFINITY; n];
     let mut inside = vec![false; n];
@@ -89,15 +83,15 @@ fn widest_gap(points: &[Vector]) -> f64 {
     }
     edges.sort_unstable_by(f64::total_cmp);
     let largest = edges.last().copied().unwrap_or(0.0);
-    let between_sites = edges.split_off(repeats(&edges));
+    let between_sites = edges.split_off(repeats(&edges, sudden));
     largest.min(4.0 * median(between_sites).unwrap_or(0.0))
 }
 
-/// How many of the edges, shortest first, join touches of one and the same site: those below a sudden growth, if they are
+/// How many of the edges, shortest first, join touches of one and the same site: those below a growth by more than `sudden`, if they are
 /// a third of all and not nearly all.
-fn repeats(edges: &[f64]) -> usize {
+fn repeats(edges: &[f64], sudden: f64) -> usize {
     let n = edges.len();
-    let grows = |k: &usize| edges[*k] > SUDDEN * edges[*k - 1];
+    let grows = |k: &usize| edges[*k] > sudden * edges[*k - 1];
     (n.div_ceil(3).max(1)..=n * 9 / 10).filter(|k| *k < n).find(grows).unwrap_or(0)
 }
 
@@ -108,17 +102,18 @@ mod tests {
     #[test]
     fn the_gap_is_that_between_fingers() {
         let fingers: Vec<Vector> = (0..30).map(|i| [(i % 10) as f64, 3.0 * (i / 10) as f64, 0.0]).collect();
-        assert_eq!(widest_gap(&fingers), 3.0);
+        assert_eq!(widest_gap(&fingers, Tuning::default().site_from_repeats), 3.0);
     }
 
     /// Every place touched twice, once as exactly as can be and once with noise.
     #[test]
     fn repeats_of_a_site_do_not_narrow_the_gap() {
+        let sudden = Tuning::default().site_from_repeats;
         for noise in [0.0, 0.02] {
             let twice: Vec<Vector> =
                 (0..36).map(|i| [(i / 2 % 6) as f64 + noise * (i % 2) as f64, 4.0 * (i / 12) as f64, 0.0]).collect();
-            assert!((widest_gap(&twice) - 4.0).abs() < 0.1, "{noise}");
+            assert!((widest_gap(&twice, sudden) - 4.0).abs() < 0.1, "{noise}");
         }
-        assert_eq!(repeats(&[1.0; 12]), 0);
+        assert_eq!(repeats(&[1.0; 12], sudden), 0);
     }
 }

@@ -1,19 +1,18 @@
 //! Normals in an orthogonal distance fit: where positions alone do not determine a surface, as on one ring or two rows.
 //!
 //! ```text
-//! minimise sum_i w_i d(theta; X_i)^2 + (1/5)^2 sum_i v_i |n_i - n(theta; X_i)|^2         tangential parts, on two axes across n_i
+//! minimise sum_i w_i d(theta; X_i)^2 + b^2 sum_i v_i |n_i - n(theta; X_i)|^2         tangential parts, on two axes across n_i
+//! b = `Tuning::place_over_normal`
 //! v_i = min(1, 1.345 s/|n_i - n|)                                                        s = mad |n_i - n|
 //! ```
 //!
 //! Lengths are in units of the patch's size. The fit only says where the equations of the evidence are placed and which contacts do
 //! not belong; how much normals count beside positions, the evidence finds from the contacts.
 
+use crate::bodies::Tuning;
 use crate::recognition::kinds::Model;
 use palpate_numeric::statistics::{huber_weight, mad};
 use palpate_numeric::vector::{Vector, cross, dot, minus, norm, unit};
-
-/// Error of a position over that of a normal, in radians, that the fit supposes: 0.05 mm over a patch of 5 mm, beside 3 degrees.
-pub(crate) const OF_NORMAL: f64 = 0.2;
 
 /// Step of the differences, in units of the patch.
 const STEP_OF_DIFFERENCES: f64 = 1e-6;
@@ -26,11 +25,13 @@ pub(super) struct Directions {
     weights: Vec<f64>,
     /// No scale of their errors is below this.
     floor: f64,
+    /// Error of a position over that of a normal.
+    of_normal: f64,
 }
 
 impl Directions {
     /// Of unit normals, zero where unknown, that err by `floor` at least.
-    pub(super) fn new(normals: &[Vector], floor: f64) -> Directions {
+    pub(super) fn new(normals: &[Vector], floor: f64, tuning: &Tuning) -> Directions {
         let across = |n: &Vector| {
             let axis = if n[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
             let first = cross(*n, axis);
@@ -38,7 +39,8 @@ impl Directions {
             [first, cross(*n, first)]
         };
         let weights = normals.iter().map(|n| if norm(*n) > 0.0 { 1.0 } else { 0.0 }).collect();
-        Directions { measured: normals.to_vec(), across: normals.iter().map(across).collect(), weights, floor }
+        let (measured, across) = (normals.to_vec(), normals.iter().map(across).collect());
+        Directions { measured, across, weights, floor, of_normal: tuning.place_over_normal }
     }
 
     fn parts(&self, i: usize, normal: Vector) -> [f64; 2] {
@@ -66,7 +68,7 @@ impl Directions {
             let [a, b] = self.parts(i, model.distance_and_normal(*point).1);
             self.weights[i] * (a * a + b * b)
         };
-        OF_NORMAL * OF_NORMAL * points.iter().enumerate().map(one).sum::<f64>()
+        self.of_normal * self.of_normal * points.iter().enumerate().map(one).sum::<f64>()
     }
 
     /// Adds their equations to the lower triangle of the normal matrix and to the right-hand side.
@@ -80,7 +82,7 @@ impl Directions {
         let beside: Vec<[Model; 2]> =
             (0..p).map(|j| [moved(j, STEP_OF_DIFFERENCES), moved(j, -STEP_OF_DIFFERENCES)]).collect();
         for (i, point) in points.iter().enumerate().filter(|(i, _)| self.weights[*i] > 0.0) {
-            let weight = OF_NORMAL * OF_NORMAL * self.weights[i];
+            let weight = self.of_normal * self.of_normal * self.weights[i];
             let here = self.parts(i, model.distance_and_normal(*point).1);
             let mut by = [[0.0; 6]; 2];
             for (j, pair) in beside.iter().enumerate() {

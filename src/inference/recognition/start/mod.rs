@@ -16,7 +16,6 @@ mod patch;
 mod relief;
 mod robust;
 
-pub(crate) use directions::OF_NORMAL;
 pub(crate) use patch::Patch;
 pub(crate) use relief::{relief, weighted_rms};
 pub(crate) use robust::thinned;

@@ -13,6 +13,7 @@
 
 use faer::Mat;
 
+use crate::bodies::Tuning;
 use crate::dense;
 use crate::recognition::discrepancy::{NATURAL_TERMS, POLE, natural_size};
 use crate::recognition::kinds::ConstantCurvature;
@@ -28,13 +29,6 @@ const FREE: [[usize; 2]; 6] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
 /// Rounds of reweighting; the weights of contacts that are far off settle in a few.
 const ROUNDS: usize = 20;
 
-/// Share of the contacts off the surface that the departure has to explain. Where it explains fewer, something else lies
-/// beside the surface, as the shoulders beside a bullet's land, and what a departure takes of that is no shape.
-const SHARE_EXPLAINED: f64 = 0.75;
-
-/// Contacts below which a departure of third and fourth degree would follow any of them.
-const FEWEST_CONTACTS: usize = 18;
-
 /// Marks as belonging what the departure explains; `sample` are the contacts that it is fitted to, and `distances` those of
 /// all contacts from `surface`; the scale of what it leaves is not below `floor`.
 pub(super) fn take_back(
@@ -44,9 +38,10 @@ pub(super) fn take_back(
     sample: &[usize],
     (limit, floor): (f64, f64),
     belongs: &mut [bool],
+    tuning: &Tuning,
 ) {
     let off: Vec<usize> = (0..points.len()).filter(|&i| !belongs[i]).collect();
-    if off.is_empty() || sample.len() < FEWEST_CONTACTS {
+    if off.is_empty() || sample.len() < tuning.taken_back_from {
         return;
     }
     let charts: Vec<[f64; 2]> = sample.iter().map(|&i| surface.chart(points[i])).collect();
@@ -57,7 +52,7 @@ pub(super) fn take_back(
     let Some(departure) = Departure::fitted(surface, &charts, &given, floor) else { return };
     let explained = |i: &usize| (distances[*i] - departure.at(surface.chart(points[*i]))).abs() < limit;
     let back: Vec<usize> = off.iter().copied().filter(explained).collect();
-    if back.len() as f64 >= SHARE_EXPLAINED * off.len() as f64 {
+    if back.len() as f64 >= tuning.taken_back * off.len() as f64 {
         back.into_iter().for_each(|i| belongs[i] = true);
     }
 }
@@ -151,7 +146,7 @@ mod tests {
         let points: Vec<Vector> = flat.iter().map(|[u, v]| surface.point(*u, *v, 0.0)).collect();
         let mut belongs: Vec<bool> = distances.iter().map(|d| d.abs() < limit).collect();
         let sample: Vec<usize> = (0..49).collect();
-        take_back(&surface, &points, &distances, &sample, (limit, 0.0), &mut belongs);
+        take_back(&surface, &points, &distances, &sample, (limit, 0.0), &mut belongs, &Tuning::default());
         belongs
     }
 

@@ -4,11 +4,13 @@
 //! normals on one side  ->  frame  ->  robust general surface  ->  outliers set aside  ->  normals used or not
 //! ```
 //!
-//! Refused are places without normals that lie on one conic, contacts of which more than a quarter are outliers, and contacts that go round more than half a body.
+//! Refused are places without normals that lie on one conic, contacts of which more than `Tuning::most_outliers` are outliers, and contacts
+//! that go round more than half a body.
 
+use crate::bodies::Tuning;
 use crate::recognition::contacts::{
-    AGAINST, CellNormals, Cells, Dropped, Floors, NormalsUse, Observations, ScatterWithin, cells,
-    derived_from_positions, on_conic, patch_frame,
+    CellNormals, Cells, Dropped, Floors, NormalsUse, Observations, ScatterWithin, cells, derived_from_positions,
+    on_conic, patch_frame,
 };
 use crate::recognition::kinds::{Kind, Model};
 use crate::recognition::{RecognitionError, RecognitionOptions, Remark};
@@ -21,13 +23,6 @@ use super::robust::{Start, start, thinned};
 use palpate_geometry::neighbours::{Neighbours, Oriented, mean_of, oriented};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{Vector, along, dot, minus, norm, scaled};
-
-/// A mean of the unit normals shorter than this belongs to more than half a body: half a cylinder has 0.64, half a ball
-/// 0.5.
-const ALL_AROUND: f64 = 0.3;
-
-/// Share of outliers above which the contacts are several things, not one with a few errors.
-const TOO_MANY_OUTLIERS: f64 = 0.25;
 
 /// Contacts that belong to the surface, in the frame of the patch, with the robust fit.
 pub(crate) struct Patch {
@@ -50,6 +45,7 @@ pub(crate) struct Patch {
 impl Patch {
     pub(crate) fn new(given: &Observations, options: &RecognitionOptions) -> Result<Patch, RecognitionError> {
         given.check_number()?;
+        let tuning = &options.tuning;
         let mut notes = Vec::new();
         let mut dropped = Dropped { missing: given.missing, ..Dropped::default() };
         let mut state = if given.ignored { NormalsUse::Ignored } else { NormalsUse::Absent };
@@ -57,22 +53,22 @@ impl Patch {
         if let Some(raw) = given.normals.clone() {
             let found = oriented(&given.points, raw, options.viewpoint);
             dropped.normals_of_length_zero = found.of_length_zero;
-            (state, normals) = accepted(found, &mut dropped, &mut notes)?;
+            (state, normals) = accepted(found, &mut dropped, &mut notes, tuning)?;
         }
         let frame = patch_frame(&given.points, normals.as_deref(), options)?;
         if normals.is_none() && options.up.is_none() && options.viewpoint.is_none() {
             notes.push(Remark::FreeSideAssumed);
         }
         let points: Vec<Vector> = given.points.iter().map(|p| frame.to_patch(*p)).collect();
-        if normals.is_none() && on_conic(&points.iter().map(|p| [p[0], p[1]]).collect::<Vec<_>>()) {
+        if normals.is_none() && on_conic(&points.iter().map(|p| [p[0], p[1]]).collect::<Vec<_>>(), tuning) {
             return Err(RecognitionError::OnConic);
         }
         let normals: Option<Vec<Vector>> = normals.map(|n| n.iter().map(|n| frame.rotate(*n)).collect());
         let floors = Floors::new(&given.rounding, &given.points, normals.as_deref(), &frame);
-        let start = start(&points, normals.as_deref(), &floors);
+        let start = start(&points, normals.as_deref(), &floors, tuning);
         dropped.outliers = start.belongs.iter().filter(|b| !**b).count();
         let outliers = dropped.outliers as f64 / points.len() as f64;
-        if outliers > TOO_MANY_OUTLIERS {
+        if outliers > tuning.most_outliers {
             let misfit =
                 100.0 * start.distances.iter().map(|d| d * d).sum::<f64>().sqrt() / (points.len() as f64).sqrt();
             return Err(RecognitionError::NotOneSheet { misfit, outliers: 100.0 * outliers });
@@ -80,12 +76,12 @@ impl Patch {
         let surface_normals: Vec<Vector> =
             threads::map(points.len(), TASK, |k| start.general.distance_and_normal(points[k]).1);
         let length = norm(mean_of(&surface_normals));
-        if length < ALL_AROUND {
+        if length < tuning.round_patch {
             return Err(RecognitionError::AllAround { mean_length: length, measured: normals.is_some() });
         }
         let mut errors = None;
         if let Some(normals) = normals {
-            (state, errors) = judged(&points, &normals, &surface_normals, &start, &mut dropped);
+            (state, errors) = judged(&points, &normals, &surface_normals, &start, &mut dropped, tuning);
         }
         let kept = |i: &usize| start.belongs[*i];
         let chosen: Vec<usize> = (0..points.len()).filter(kept).collect();
@@ -118,16 +114,16 @@ impl Patch {
     }
 
     /// Averaged contacts.
-    pub(crate) fn cells(&self) -> Cells {
+    pub(crate) fn cells(&self, tuning: &Tuning) -> Cells {
         let cells = cells(&self.points, &self.feet, &self.start.general, self.errors.as_deref());
         let contacts = self.points.len() as f64 / cells.points.len() as f64;
         let floors = self.floors.of_means(contacts, self.normals_per_cell(&cells).max(1.0));
-        let within = ScatterWithin::of(&cells.of, [&self.feet, &cells.feet], &cells.tangents, &self.distances);
+        let within = ScatterWithin::of(&cells.of, [&self.feet, &cells.feet], &cells.tangents, &self.distances, tuning);
         Cells { floors, within, ..cells }
     }
 
     /// All models refitted to the cells, each from its likeliest starts.
-    pub(crate) fn fitted(&self, cells: &Cells) -> Vec<Model> {
+    pub(crate) fn fitted(&self, cells: &Cells, tuning: &Tuning) -> Vec<Model> {
         let general = self.start.general.theta();
         let [h, a, b, k1, k2, phi] = general;
         let across = phi + std::f64::consts::FRAC_PI_2;
@@ -144,7 +140,8 @@ impl Patch {
             (Kind::Paraboloid, vec![[h, -b, a, xx, yy, xy]]),
         ];
         let told = cells.normals.as_ref().filter(|_| self.start.with_normals);
-        let normals = told.map(|normals| Directions::new(&normals.where_known(), self.floors.normal));
+        let of_known = |normals: &CellNormals| Directions::new(&normals.where_known(), self.floors.normal, tuning);
+        let normals = told.map(of_known);
         let best = |(kind, starts): (Kind, Vec<[f64; 6]>)| {
             let fits =
                 starts.into_iter().map(|theta| plain(&cells.points, normals.as_ref(), &cells.weights, kind, theta));
@@ -165,13 +162,14 @@ fn accepted(
     found: Oriented,
     dropped: &mut Dropped,
     notes: &mut Vec<Remark>,
+    tuning: &Tuning,
 ) -> Result<(NormalsUse, Option<Vec<Vector>>), RecognitionError> {
     if !found.consistent {
         notes.push(Remark::NormalsContradict);
         return Ok((NormalsUse::Contradicting, None));
     }
     let length = norm(mean_of(&found.normals));
-    if found.of_length_zero < found.normals.len() && length < ALL_AROUND {
+    if found.of_length_zero < found.normals.len() && length < tuning.round_patch {
         return Err(RecognitionError::AllAround { mean_length: length, measured: true });
     }
     notes.extend(found.undecided().map(|agree| Remark::SignsMixed { agree }));
@@ -191,8 +189,9 @@ fn judged(
     surface: &[Vector],
     start: &Start,
     dropped: &mut Dropped,
+    tuning: &Tuning,
 ) -> (NormalsUse, Option<Vec<Option<Vector>>>) {
-    let agrees = |i: usize| dot(normals[i], surface[i]) > AGAINST;
+    let agrees = |i: usize| dot(normals[i], surface[i]) > tuning.normal_against;
     let known = normals.iter().filter(|n| **n != [0.0; 3]).count();
     let agreeing = (0..normals.len()).filter(|&i| agrees(i)).count();
     dropped.normals_against = known - agreeing;
@@ -200,7 +199,7 @@ fn judged(
         return (NormalsUse::Contradicting, None);
     }
     let sample = start.sample.iter().copied().filter(|&i| start.belongs[i] && agrees(i));
-    if derived_from_positions(points, normals, &start.general, sample) {
+    if derived_from_positions(points, normals, &start.general, sample, tuning) {
         return (NormalsUse::DerivedFromPositions, None);
     }
     let error = |i: usize| agrees(i).then(|| minus(normals[i], scaled(1.0, surface[i])));

@@ -14,28 +14,17 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use crate::bodies::Tuning;
 use crate::recognition::contacts::Floors;
 use crate::recognition::kinds::{Kind, Model};
 use palpate_numeric::linalg::small::solve_leading;
 use palpate_numeric::statistics::{mad, median};
 
 use super::descent::{Fitted, distances_of, robust};
-use super::directions::{Directions, OF_NORMAL};
+use super::directions::Directions;
 use super::outlier_reinstatement::take_back;
 
 use palpate_numeric::vector::Vector;
-
-/// Contacts below which none is set aside: six parameters leave too few of them to tell what single ones scatter by, and a third of
-/// the patches that were touched at 7 to 10 places were refused.
-const FEWEST_CONTACTS: usize = 12;
-
-/// Median error of the normals, radians, below which they contradict nothing, and the multiple of what another surface leaves of it
-/// above which they contradict the surface that positions found.
-const LEANING: f64 = 5e-3;
-const CONTRADICTED: f64 = 3.0;
-
-/// Factor by which that other surface may lie farther from the positions.
-const AS_NEAR: f64 = 2.0;
 
 /// Cosine above which a normal has a slope that tells of a height quadric.
 const UPRIGHT: f64 = 0.3;
@@ -75,12 +64,12 @@ pub(crate) fn thinned(points: &[Vector], most: usize) -> Vec<usize> {
 }
 
 /// Fits the start. `normals` are unit vectors, zero where unknown.
-pub(super) fn start(points: &[Vector], normals: Option<&[Vector]>, floors: &Floors) -> Start {
+pub(super) fn start(points: &[Vector], normals: Option<&[Vector]>, floors: &Floors, tuning: &Tuning) -> Start {
     let sample = thinned(points, SAMPLE);
     let of_sample = |all: &[Vector]| sample.iter().map(|&i| all[i]).collect::<Vec<Vector>>();
     let some = of_sample(points);
-    let alone = Fits::of(&some, None, floors);
-    let told = normals.and_then(|normals| told_by_normals(&alone, &some, &of_sample(normals), floors));
+    let alone = Fits::of(&some, None, floors, tuning);
+    let told = normals.and_then(|normals| told_by_normals(&alone, &some, &of_sample(normals), floors, tuning));
     let with_normals = told.is_some();
     let Fits { sphere, cylinder, general } = told.unwrap_or(alone);
     let general = general.model;
@@ -88,9 +77,10 @@ pub(super) fn start(points: &[Vector], normals: Option<&[Vector]>, floors: &Floo
     let n = points.len() as f64;
     let scale = mad(distances.iter().copied()).max(floors.position);
     let limit = (6.0 * scale * (n / (n - 6.0).max(1.0)).sqrt()).max(1e-9);
-    let mut belongs: Vec<bool> = distances.iter().map(|d| d.abs() < limit || points.len() < FEWEST_CONTACTS).collect();
+    let are_few = points.len() < tuning.outliers_from;
+    let mut belongs: Vec<bool> = distances.iter().map(|d| d.abs() < limit || are_few).collect();
     if let Model::Constant(_, surface) = &general {
-        take_back(surface, points, &distances, &sample, (limit, floors.position), &mut belongs);
+        take_back(surface, points, &distances, &sample, (limit, floors.position), &mut belongs, tuning);
     }
     Start { general, sphere, cylinder, distances, belongs, sample, with_normals }
 }
@@ -104,10 +94,10 @@ struct Fits {
 
 impl Fits {
     /// To positions, or to positions and normals.
-    fn of(points: &[Vector], normals: Option<&[Vector]>, floors: &Floors) -> Fits {
-        let directions = normals.map(|normals| Directions::new(normals, floors.normal));
+    fn of(points: &[Vector], normals: Option<&[Vector]>, floors: &Floors, tuning: &Tuning) -> Fits {
+        let directions = normals.map(|normals| Directions::new(normals, floors.normal, tuning));
         let fitted = |kind, theta| robust(points, directions.clone(), kind, theta, floors.position);
-        let [sphere, cylinder, along, across] = quadric_starts(quadric(points, normals));
+        let [sphere, cylinder, along, across] = quadric_starts(quadric(points, normals, tuning.place_over_normal));
         let sphere = fitted(Kind::Sphere, sphere).model;
         let cylinder = fitted(Kind::Cylinder, cylinder).model;
         let mut best: Option<Fitted> = None;
@@ -129,19 +119,26 @@ impl Fits {
 
 /// Fits to positions and normals, where positions alone have led to a surface that the normals contradict, and another one explains
 /// both: contacts in a ring or in two rows have no one surface. `None` elsewhere.
-fn told_by_normals(alone: &Fits, points: &[Vector], normals: &[Vector], floors: &Floors) -> Option<Fits> {
-    let directions = Directions::new(normals, floors.normal);
+fn told_by_normals(
+    alone: &Fits,
+    points: &[Vector],
+    normals: &[Vector],
+    floors: &Floors,
+    tuning: &Tuning,
+) -> Option<Fits> {
+    let Tuning { normals_lean: [leaning, contradicted], place_over_normal: of_normal, .. } = *tuning;
+    let directions = Directions::new(normals, floors.normal, tuning);
     let off = |model: &Model| median(directions.errors(model, points)).unwrap_or(0.0);
     let of_alone = off(&alone.general.model);
     // a look at a height quadric is cheap, and most contacts need no more
-    let [z0, gx, gy, a, b, c] = quadric(points, Some(normals));
-    if of_alone < LEANING || of_alone < CONTRADICTED * off(&Model::new(Kind::Paraboloid, [z0, gx, gy, a, c, b])) {
+    let [z0, gx, gy, a, b, c] = quadric(points, Some(normals), of_normal);
+    if of_alone < leaning || of_alone < contradicted * off(&Model::new(Kind::Paraboloid, [z0, gx, gy, a, c, b])) {
         return None;
     }
-    let told = Fits::of(points, Some(normals), floors);
+    let told = Fits::of(points, Some(normals), floors, tuning);
     let of_told = off(&told.general.model);
-    let near = told.general.scale <= (AS_NEAR * alone.general.scale).max(OF_NORMAL * of_told);
-    (near && of_alone > CONTRADICTED * of_told).then_some(told)
+    let near = told.general.scale <= (tuning.told_as_near * alone.general.scale).max(of_normal * of_told);
+    (near && of_alone > contradicted * of_told).then_some(told)
 }
 
 /// Starts of sphere, cylinder, and general with the larger curvature first and second.
@@ -159,8 +156,8 @@ fn quadric_starts([z0, gx, gy, a, b, c]: [f64; 6]) -> [[f64; 6]; 4] {
 }
 
 /// Coefficients z0, gx, gy, A, B, C of the height quadric, by slopes, too, where there are normals; the last ones are 0 where the
-/// contacts cannot tell them.
-fn quadric(points: &[Vector], normals: Option<&[Vector]>) -> [f64; 6] {
+/// contacts cannot tell them. Normals err by a radian where positions err by `of_normal`.
+fn quadric(points: &[Vector], normals: Option<&[Vector]>, of_normal: f64) -> [f64; 6] {
     let mut normal = [[0.0; 6]; 6];
     let mut rhs = [0.0; 6];
     let mut add = |row: [f64; 6], value: f64, weight: f64| {
@@ -172,7 +169,7 @@ fn quadric(points: &[Vector], normals: Option<&[Vector]>) -> [f64; 6] {
     for (i, &[x, y, z]) in points.iter().enumerate() {
         add([1.0, x, y, 0.5 * x * x, x * y, 0.5 * y * y], z, 1.0);
         if let Some([nx, ny, nz]) = normals.map(|n| n[i]).filter(|n| n[2] > UPRIGHT) {
-            let weight = OF_NORMAL * OF_NORMAL;
+            let weight = of_normal * of_normal;
             add([0.0, 1.0, 0.0, x, y, 0.0], -nx / nz, weight);
             add([0.0, 0.0, 1.0, 0.0, x, y], -ny / nz, weight);
         }

@@ -191,7 +191,7 @@ impl BodyAnswer<'_> {
             Some(node) => DrawnBase::likeliest(primitive, node),
             None => DrawnBase::of_primitive(primitive),
         };
-        let finer = if self.posterior.is_free { surface.finer_shape(&members) } else { None };
+        let finer = if self.posterior.is_free { surface.finer_shape(&members, &self.options.tuning) } else { None };
         draws.iter_mut().zip(0..).for_each(|(d, number)| d.finer = finer.map(|finer| (finer, number)));
         let chart_surface = if self.posterior.is_free { surface.clone() } else { DrawnBase::of_primitive(primitive) };
         let chart = BodyChart::new(self.sample.frame, surface, &members, draws.clone(), &self.options.tuning);
