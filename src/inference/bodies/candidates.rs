@@ -10,7 +10,7 @@
 //! Normals that are not given are those of planes through neighbours; they serve here and nowhere else. Sets of a few: M. Fischler and
 //! R. Bolles, *Comm. ACM* 24 (1981) 381; the median: P. Rousseeuw, *J. Am. Stat. Assoc.* 79 (1984) 871.
 
-use super::mode::{Candidate, FalseContacts, MINORITY, Mode, fewest, is_possible, offsets};
+use super::mode::{Candidate, FalseContacts, Mode, fewest, is_possible, offsets};
 use super::sample::BodySample;
 use super::tuning::Tuning;
 use crate::primitives::descent;
@@ -48,8 +48,8 @@ pub(super) fn candidates(sample: &BodySample, tuning: &Tuning) -> Vec<Candidate>
 pub(super) fn of_minorities(sample: &BodySample, tuning: &Tuning) -> Vec<Candidate> {
     let mut all = Vec::new();
     // a set lies on its own plane, so that as many contacts as a thing has at least must be near
-    let least =
-        (MINORITY * tuning.other_things).max(fewest(sample, tuning).saturating_sub(1) as f64 / sample.len() as f64);
+    let of_its_own = fewest(sample, tuning).saturating_sub(1) as f64 / sample.len() as f64;
+    let least = (tuning.minority * tuning.other_things).max(of_its_own);
     for_each_kind(sample, tuning, |kind, starts| {
         if matches!(kind, PartKind::Torus | PartKind::Ellipsoid) {
             return;
@@ -61,7 +61,7 @@ pub(super) fn of_minorities(sample: &BodySample, tuning: &Tuning) -> Vec<Candida
             start,
             strays: FalseContacts::Some,
             share: least,
-            of_own: MINORITY,
+            of_own: tuning.minority,
         }));
     });
     all

@@ -208,9 +208,6 @@ pub(super) struct Candidate {
     pub(super) of_own: f64,
 }
 
-/// Part of a minority whose distances tell its scatter: a few of the others lie near it by chance.
-pub(super) const MINORITY: f64 = 0.8;
-
 impl Candidate {
     /// Of a start to which most contacts may belong.
     pub(super) fn new(start: Primitive, strays: FalseContacts, tuning: &Tuning) -> Candidate {
@@ -220,8 +217,8 @@ impl Candidate {
     /// From a mode that was found among some of the contacts.
     pub(super) fn again(found: &Mode, tuning: &Tuning) -> Candidate {
         let own = found.members().len() as f64 / found.weights.len() as f64;
-        let share = tuning.surely_own.min(MINORITY * own);
-        Candidate { start: found.primitive, strays: found.strays, share, of_own: (share / own).min(MINORITY) }
+        let share = tuning.surely_own.min(tuning.minority * own);
+        Candidate { start: found.primitive, strays: found.strays, share, of_own: (share / own).min(tuning.minority) }
     }
 }
 

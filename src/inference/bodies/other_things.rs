@@ -128,7 +128,7 @@ fn first_things<'a>(
     let mut firsts: Vec<(f64, &Mode)> = modes.filter(is_first).filter_map(with_evidence).collect();
     firsts.sort_by(|a, b| b.0.total_cmp(&a.0));
     // one mode is found from several starts
-    firsts.dedup_by(|a, b| a.1.primitive.kind == b.1.primitive.kind && (a.0 - b.0).abs() < SAME);
+    firsts.dedup_by(|a, b| a.1.primitive.kind == b.1.primitive.kind && (a.0 - b.0).abs() < tuning.same_mode);
     let farther = firsts.split_off(firsts.len().min(tuning.firsts));
     let scatter = firsts.iter().map(|(_, first)| first.sd[0]).fold(f64::INFINITY, f64::min);
     let nearer = |kind: PartKind| {
@@ -138,9 +138,6 @@ fn first_things<'a>(
     firsts.extend(SIMPLE.into_iter().filter_map(nearer));
     firsts
 }
-
-/// Difference of log evidence below which two modes of a kind are one.
-const SAME: f64 = 1e-3;
 
 /// Root mean square scatter of contacts about their things.
 pub(crate) fn scatter(things: &[Thing]) -> f64 {

@@ -17,9 +17,6 @@ use super::tuning::Tuning;
 use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::vector::{Vector, along, axes_along, dot, minus, norm, reject, unit};
 
-/// Radius of a cylinder that is as good as a plane: its middle lies 1/80 of a unit above its rim two units away.
-const WIDE: f64 = 160.0;
-
 /// What a free surface is counted from, and what its departure is a function of.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FreeBody {
@@ -47,7 +44,7 @@ pub(super) fn symmetric_forms(sample: &BodySample, modes: &[Mode], tuning: &Tuni
     let (middle, [narrowest, ..], _) = principal(sample);
     let bases = extruded.into_iter().flat_map(|(_, direction)| {
         let axis = (middle, direction);
-        [Some(cylinder(sample, axis)), sheet(axis, narrowest)].into_iter().flatten()
+        [Some(cylinder(sample, axis)), sheet(axis, narrowest, tuning.wide_as_plane)].into_iter().flatten()
     });
     let of_extruded = bases.map(|base| FreeBody { base, over: DepartureOver::Extruded });
     let is_sound = |form: &FreeBody| form.base.is_sound(tuning.extent) && !is_focal(&form.base, sample, tuning);
@@ -101,14 +98,14 @@ fn cylinder(sample: &BodySample, (origin, axis): (Vector, Vector)) -> Primitive 
 }
 
 /// A cylinder so wide that it is as good as a plane through the contacts' middle, where they do not go round the axis.
-fn sheet((middle, axis): (Vector, Vector), narrowest: Vector) -> Option<Primitive> {
+fn sheet((middle, axis): (Vector, Vector), narrowest: Vector, wide: f64) -> Option<Primitive> {
     let outwards = reject(narrowest, axis);
     // within 30 degrees of the line it tells no side of a plane along it
     if norm(outwards) < 0.5 {
         return None;
     }
-    let origin = along(middle, -WIDE, unit(outwards));
-    Some(Primitive { kind: PartKind::Cylinder, origin, axes: axes_along(axis), sizes: [WIDE, 0.0, 0.0], side: 1.0 })
+    let origin = along(middle, -wide, unit(outwards));
+    Some(Primitive { kind: PartKind::Cylinder, origin, axes: axes_along(axis), sizes: [wide, 0.0, 0.0], side: 1.0 })
 }
 
 fn ball(sample: &BodySample, (origin, axis): (Vector, Vector)) -> Primitive {

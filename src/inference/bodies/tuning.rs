@@ -407,6 +407,26 @@ pub struct Tuning {
     pub finer_from: usize,
     /// Standard deviations of a correlation of chance above which what contacts lie off such a surface is finer shape.
     pub finer_certain: f64,
+    /// Part of a minority whose distances tell its scatter: a few of the others lie near it by chance.
+    pub minority: f64,
+    /// Difference of log evidence below which two modes of a kind are one, that was found from several starts.
+    pub same_mode: f64,
+    /// Radius, in the same unit as lengths, of a cylinder that is as good as a plane for a free surface to be counted from: with 160 its middle
+    /// lies 1/80 of a unit above its rim two units away.
+    pub wide_as_plane: f64,
+    /// Median cosine between normals and those of the surface below which they contradict it, and above which another order of their columns
+    /// agrees: 45 and 15 degrees.
+    pub normals_order: [f64; 2],
+    /// Least variance, over that of the others, of a cell, and of a pair of neighbours, by what is known of errors in x and y: that may be too
+    /// much, and a few contacts on level ground or on walls must not decide alone.
+    pub least_variance: f64,
+    /// Cosine above which a normal has a slope that tells of the height quadric from which a patch's fits begin.
+    pub start_upright: f64,
+    /// Least relief of a patch over its size, so that planes have one too.
+    pub least_relief: f64,
+    /// Prior standard deviation of a surface's departure of third and fourth degree, in natural sizes. With 1, intervals of R miss an ellipsoid
+    /// of half axes 16, 12 and 9 in 9 to 20 of 100 fits; with 2 in 5 or 6, and intervals of tori are up to a fifth wider; 4 gains nothing.
+    pub natural_departure: f64,
 }
 
 impl Default for Tuning {
@@ -571,6 +591,14 @@ impl Default for Tuning {
             half_axes: 0.35,
             finer_from: 40,
             finer_certain: 4.0,
+            minority: 0.8,
+            same_mode: 1e-3,
+            wide_as_plane: 160.0,
+            normals_order: [0.71, 0.966],
+            least_variance: 0.1,
+            start_upright: 0.3,
+            least_relief: 0.02,
+            natural_departure: 2.0,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Sides of parts whose normals were estimated: those of two parts that meet agree across their joint.
 //!
 //! ```text
-//! w_ab = sum over places where a and b meet of n_a . n_b - 4 (n_a . e)(n_b . e)      e: direction from a contact of a to one of b
+//! w_ab = sum over places where a and b meet of n_a . n_b - step_weight (n_a . e)(n_b . e)      e: direction from a contact of a to one of b
 //! ```
 //!
 //! Below 0 one face has the other on its free side, and the other not; where they touch smoothly, the normals alone tell.
@@ -14,17 +14,14 @@ use super::joint_angle::MeetingPlace;
 use super::joints::joints;
 use super::partition::Partition;
 use super::sided_normals::points_inwards;
+use super::tuning::PartsTuning;
 use palpate_numeric::vector::{Vector, dot, scaled};
-
-/// Weight of a step beside the normals. With 2 their mirror image in the plane halfway along it is taken, which tells nothing where one
-/// contact lies at the edge and the other in its face; with twice as much an edge of any angle tells.
-const OF_THE_STEP: f64 = 4.0;
 
 /// Turns the parts that contradict those they meet, with the normals of their contacts, and what goes all round outwards; gives back the
 /// normals as their parts have them. `gap` is what parts leave where they meet.
-pub(super) fn agree(partition: &mut Partition, cloud: &mut Cloud, gap: f64) -> Vec<Vector> {
+pub(super) fn agree(partition: &mut Partition, cloud: &mut Cloud, gap: f64, tuning: &PartsTuning) -> Vec<Vector> {
     let members = partition.members();
-    let is_turned = turned(partition, cloud, gap, &members);
+    let is_turned = turned(partition, cloud, gap, &members, tuning);
     for part in (0..members.len()).filter(|part| is_turned[*part]) {
         partition.parts[part].side *= -1.0;
         members[part].iter().for_each(|i| reverse(&mut cloud.normals[*i as usize]));
@@ -48,10 +45,10 @@ fn reverse(normal: &mut Vector) {
 }
 
 /// Which parts contradict most of those that they hang together with.
-fn turned(partition: &Partition, cloud: &Cloud, gap: f64, members: &[Vec<u32>]) -> Vec<bool> {
+fn turned(partition: &Partition, cloud: &Cloud, gap: f64, members: &[Vec<u32>], tuning: &PartsTuning) -> Vec<bool> {
     let parts = &partition.parts;
     let surface = |part: u32, _: usize, place: Vector| parts[part as usize].nearest(place);
-    let meeting = joints(cloud, &partition.labels, gap, surface);
+    let meeting = joints(cloud, &partition.labels, gap, tuning, surface);
     let mut weights: Vec<([usize; 2], f64)> = meeting
         .iter()
         .map(|found| {
@@ -61,7 +58,7 @@ fn turned(partition: &Partition, cloud: &Cloud, gap: f64, members: &[Vec<u32>]) 
                 let [one, other] = [a, b].map(|part| part.nearest(m.place).1);
                 let square = dot(m.across, m.across);
                 let crossing = if square > 0.0 { dot(one, m.across) * dot(other, m.across) / square } else { 0.0 };
-                dot(one, other) - OF_THE_STEP * crossing
+                dot(one, other) - tuning.step_weight * crossing
             };
             (both, found.meetings.iter().map(agreement).sum())
         })

@@ -62,7 +62,7 @@ pub(super) struct Findings<'a> {
 impl Findings<'_> {
     /// The whole answer.
     pub(super) fn parts(&self, mut partition: Partition, notes: Vec<String>) -> Parts {
-        let cloud = self.cloud;
+        let (cloud, tuning) = (self.cloud, self.tuning);
         let exact_parts = partition.parts.len() as u32;
         let patches = self.regions(&mut partition.labels, exact_parts);
         let members = partition_members(&partition.labels, (exact_parts + patches) as usize);
@@ -71,34 +71,42 @@ impl Findings<'_> {
             is_known: self.by.origin == Origin::Whole,
             measured: self.by.measured,
             along: self.by.along,
-            tuning: self.tuning,
+            tuning,
         };
         let exact = threads::map(exact_parts as usize, 1, |part| {
-            let inner = partition.inner(cloud, &members[part]);
+            let inner = partition.inner(cloud, &members[part], tuning);
             simplest(cloud, &inner, &partition.parts[part], &begin, self.cells)
         });
-        let few = few(cloud, self.by.measured, &members, &exact);
+        let few = few(cloud, self.by.measured, &members, &exact, tuning);
         let found = |k: usize| exact[k].map_or(partition.parts[k], |e| e.descended.primitive);
-        let told = |k: usize| likely(cloud, found(k), &members[k], few[k].as_ref());
+        let told = |k: usize| self.likely(found(k), &members[k], few[k].as_ref());
         let surface: Vec<Option<Primitive>> = (0..exact.len()).map(told).collect();
         let beside = |part: u32, i: usize, place: Vector| match surface.get(part as usize) {
             Some(Some(primitive)) => primitive.nearest(place),
             _ => (dot(minus(place, cloud.points[i]), cloud.normals[i]), cloud.normals[i]),
         };
-        let found = joints(cloud, &partition.labels, self.by.coarse.distance, beside);
+        let found = joints(cloud, &partition.labels, self.by.coarse.distance, tuning, beside);
         let mut joints: Vec<Joint> = found.into_iter().map(|found| with_u_of_angle(found, &exact)).collect();
-        let is_free_form = is_free_form(&exact);
+        let is_free_form = is_free_form(&exact, tuning);
         let part = |(k, members): (usize, &Vec<u32>)| match (surface.get(k), few.get(k).and_then(Option::as_ref)) {
             (Some(Some(primitive)), few) => {
                 self.widened_part(primitive, exact[k].as_ref(), members, (is_free_form, few))
             }
             (_, Some(few)) => Part { class: Some(few.class()), ..self.patch_part(members, Some(few.free_form())) },
-            (_, None) => self.patch_part(members, free_form(cloud, members)),
+            (_, None) => self.patch_part(members, free_form(cloud, members, tuning)),
         };
         let mut parts: Vec<Part> = members.iter().enumerate().map(part).collect();
         let number = largest_first(&mut parts, &mut joints);
         let labels = partition.labels.iter().map(|l| (*l != NONE).then(|| number[*l as usize] as u32));
         self.answer(parts, joints, labels, notes)
+    }
+
+    /// The primitive, where what few touches tell does not contradict it.
+    fn likely(&self, primitive: Primitive, members: &[u32], few: Option<&Few>) -> Option<Primitive> {
+        let [s, r] = mean_shape(self.cloud, &primitive, members);
+        let class = class_of(&primitive, s);
+        let contradicts = few.is_some_and(|few| few.contradicts(primitive.kind, class, r, self.tuning));
+        (!contradicts).then_some(primitive)
     }
 
     /// Labels regions that no primitive explains, from this number on; gives back how many there are.
@@ -108,7 +116,9 @@ impl Findings<'_> {
                 labels.fill(first);
                 1
             }
-            Origin::Cut | Origin::Whole => label_leftover(self.cloud, self.shapes, labels, first, &self.by.limit),
+            Origin::Cut | Origin::Whole => {
+                label_leftover(self.cloud, self.shapes, labels, first, (&self.by.limit, self.tuning))
+            }
         }
     }
 
@@ -154,9 +164,9 @@ impl Findings<'_> {
         let cloud = self.cloud;
         let [s, r] = mean_shape(cloud, primitive, members);
         let mean = (primitive.kind != PartKind::Plane).then_some(s);
-        let rejected = exact.and_then(is_rejected);
+        let rejected = exact.and_then(|e| is_rejected(e, self.tuning));
         let mut u = exact.map_or(PartUncertainty::default(), |e| uncertainty(cloud, e, members));
-        reach(cloud, members, exact, (mean, r), free_form || rejected == Some(true), &mut u);
+        reach(cloud, members, exact, (mean, r), free_form || rejected == Some(true), self.tuning, &mut u);
         Part {
             id: 0,
             kind: primitive.kind,
@@ -241,13 +251,6 @@ fn common_normal(cloud: &Cloud, members: &[u32]) -> Option<Vector> {
     let along = |at: usize| members.iter().map(|&i| cloud.normals[i as usize][at]).sum::<f64>();
     let mean = unit_or_zero([0, 1, 2].map(along));
     members.iter().all(|&i| norm(minus(cloud.normals[i as usize], mean)) <= DIGITS).then_some(mean)
-}
-
-/// The primitive, where what few touches tell does not contradict it.
-fn likely(cloud: &Cloud, primitive: Primitive, members: &[u32], few: Option<&Few>) -> Option<Primitive> {
-    let [s, r] = mean_shape(cloud, &primitive, members);
-    let contradicts = few.is_some_and(|few| few.contradicts(primitive.kind, class_of(&primitive, s), r));
-    (!contradicts).then_some(primitive)
 }
 
 /// Numbers the parts anew, the largest first, and their joints with them; gives back the new number of each.

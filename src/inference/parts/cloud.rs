@@ -6,6 +6,7 @@
 //!
 //! Every length in this room is in units of s until the answer is written, so that a cloud and its copy in metres are cut alike.
 
+use super::tuning::PartsTuning;
 use palpate_geometry::contact::Rounding;
 use palpate_geometry::neighbours::{NeighbourLists, morton_order};
 use palpate_numeric::statistics::{evenly_among, upper_median};
@@ -20,10 +21,6 @@ pub(super) const LINKED: usize = 8;
 
 /// Lengths in units of the cloud's size within which a surface is exact: six digits of text, or 32-bit numbers.
 pub(super) const DIGITS: f64 = 1e-6;
-
-/// Cosine between the normals of two neighbours below which they are on two walls, back to back: within 45 degrees of it. Normals of planes
-/// through neighbours tell no more.
-pub(super) const OPPOSITE: f64 = -0.7;
 
 /// Fewest points of a cloud: the neighbours of one, and it.
 pub(super) const FEWEST_POINTS: usize = NEAREST + 4;
@@ -83,8 +80,8 @@ impl Cloud {
     }
 
     /// Whether two contacts next to each other are on the two sides of a wall.
-    pub(super) fn are_back_to_back(&self, i: usize, j: usize) -> bool {
-        dot(self.normals[i], self.normals[j]) < OPPOSITE
+    pub(super) fn are_back_to_back(&self, i: usize, j: usize, tuning: &PartsTuning) -> bool {
+        dot(self.normals[i], self.normals[j]) < tuning.back_to_back
     }
 
     /// The same of numbers that were rounded by so much, in the input's units.

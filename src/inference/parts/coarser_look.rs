@@ -14,7 +14,7 @@
 use std::f64::consts::E;
 
 use super::cloud::DIGITS;
-use super::evidence::{Residuals, price};
+use super::evidence::{Cells, Residuals};
 use super::partition::{Field, NONE, Partition};
 use super::scatter::lie_off_together;
 use crate::bodies::Tuning;
@@ -36,7 +36,7 @@ impl Partition {
             }
             let (found, fine) = cut(&field.letting_pass(share));
             let [rough, precise] = [&found, best].map(|cut| ToldCut::new(cut, field));
-            if !found.parts.is_empty() && precise.gains_over(&rough) <= 0.0 {
+            if !found.parts.is_empty() && precise.gains_over(&rough, field.cells) <= 0.0 {
                 taken = Some((found, fine, share));
             }
         }
@@ -46,7 +46,8 @@ impl Partition {
     /// Whether these parts tell the cloud better than those, normals and contacts of no part included: what has more unknowns must earn them.
     pub(super) fn outtells(&self, those: &Partition, field: &Field) -> bool {
         let [own, other] = [self, those].map(|cut| ToldCut::new(cut, field));
-        if own.unknowns < other.unknowns { other.gains_over(&own) <= 0.0 } else { own.gains_over(&other) > 0.0 }
+        let gain = |one: &ToldCut, coarser: &ToldCut| one.gains_over(coarser, field.cells);
+        if own.unknowns < other.unknowns { gain(&other, &own) <= 0.0 } else { gain(&own, &other) > 0.0 }
     }
 
     /// Whether contacts next to each other lie off their part together.
@@ -93,9 +94,9 @@ impl ToldCut {
     }
 
     /// By how much it is more probable than a coarser one, by whose independent contacts both are judged.
-    fn gains_over(&self, coarser: &ToldCut) -> f64 {
+    fn gains_over(&self, coarser: &ToldCut, cells: &Cells) -> f64 {
         let more = self.unknowns.saturating_sub(coarser.unknowns);
-        coarser.independent * (coarser.length - self.length) - price(more, coarser.independent)
+        coarser.independent * (coarser.length - self.length) - cells.price(more, coarser.independent)
     }
 }
 

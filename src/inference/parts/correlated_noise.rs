@@ -10,16 +10,14 @@
 
 use super::cloud::{Cloud, NEAREST};
 use super::hypothesis::{Walk, best, sampled};
-use super::local::{FACES_AWAY, LocalShapes, Noise, ROUNDING};
+use super::local::{LocalShapes, Noise, ROUNDING};
+use super::tuning::PartsTuning;
 use crate::primitives::descent::Sample;
 use palpate_numeric::statistics::{ENOUGH_FOR_RANKS, Rank, evenly_among, quantile};
 use palpate_numeric::vector::{dot, minus};
 
 /// Places that are looked at.
 const PLACES: usize = 120;
-
-/// Share of places that are thought to lie within one part.
-const WITHIN: f64 = 0.3;
 
 /// Largest part of the cloud in one neighbourhood.
 const WIDEST: usize = 40;
@@ -28,7 +26,7 @@ const WIDEST: usize = 40;
 const SAMPLED: usize = 150;
 
 /// The largest noise that is found at any width.
-pub(super) fn wide_noise(cloud: &Cloud, shapes: &LocalShapes, noise: &Noise) -> Noise {
+pub(super) fn wide_noise(cloud: &Cloud, shapes: &LocalShapes, noise: &Noise, tuning: &PartsTuning) -> Noise {
     let asked: Vec<u32> = evenly_among(cloud.len(), ENOUGH_FOR_RANKS).map(|i| i as u32).collect();
     let variances = shapes.of(cloud, &asked).into_iter().map(|shape| shape.variance[0]);
     let mut order: Vec<(f64, u32)> = variances.zip(asked).collect();
@@ -41,13 +39,13 @@ pub(super) fn wide_noise(cloud: &Cloud, shapes: &LocalShapes, noise: &Noise) -> 
         let mut left: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
         for &place in &places {
             // the other wall of a pipe is no error that neighbours share
-            let faces = |i: usize| dot(cloud.normals[place], cloud.normals[i]) > FACES_AWAY;
+            let faces = |i: usize| dot(cloud.normals[place], cloud.normals[i]) > tuning.faces_away;
             let members = walk.reach(cloud, &[place as u32], width, faces);
             let Some([distance, normal]) = residuals(cloud, &members, &widest) else { continue };
             left[0].push(distance);
             left[1].push(normal);
         }
-        let [distance, normal] = left.map(|values| quantile(values, WITHIN, Rank::Floor).unwrap_or(0.0));
+        let [distance, normal] = left.map(|values| quantile(values, tuning.wide_within, Rank::Floor).unwrap_or(0.0));
         widest = Noise { distance: widest.distance.max(distance), normal: widest.normal.max(normal) };
         width *= 2;
     }

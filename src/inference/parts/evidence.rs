@@ -1,7 +1,7 @@
 //! Whether one primitive does for two, or a simpler kind for a richer one, when neighbours may share errors.
 //!
 //! ```text
-//! keep the richer      n_e (ln(s1 / s2) + 2 ln(v1 / v2)) > max(k ln(n_e), chi-square of k at 1 %) / 2
+//! keep the richer      n_e (ln(s1 / s2) + 2 ln(v1 / v2)) > max(k ln(n_e), chi-square of k at `by_chance`) / 2
 //!                      k = unknowns 2 - unknowns 1
 //! s, v                 rms of distances and of normals per tangent axis, of the simpler (1) and of the richer (2) description
 //! n_e = n / max over widths of  sum_cells (sum_i d_i)^2 / sum_i d_i^2               d: distances from the simpler
@@ -11,7 +11,7 @@
 //! patch where a patch errs together. So a dent a hundred times the noise is a part, and the waves of a depth camera are not,
 //! however many points show them. With n in place of n_e this is the criterion of G. Schwarz, *Ann. Statist.* 6 (1978) 461. Of few
 //! independent residuals it asks little: of twenty, one more unknown would do by chance in every twelfth case. There the
-//! likelihood ratio's own test at 1 % is asked (S. S. Wilks, *Ann. Math. Statist.* 9 (1938) 60).
+//! likelihood ratio's own test is asked (S. S. Wilks, *Ann. Math. Statist.* 9 (1938) 60).
 
 use std::collections::HashMap;
 
@@ -19,6 +19,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::cloud::Cloud;
 use super::local::Noise;
+use super::tuning::PartsTuning;
 use crate::primitives::placed::Primitive;
 use palpate_geometry::shape::chi_square_upper_tail;
 use palpate_numeric::vector::{dot, minus};
@@ -26,17 +27,16 @@ use palpate_numeric::vector::{dot, minus};
 /// Widths of cells in spacings; the widest holds some 4000 points of a surface.
 const WIDTHS: [f64; 5] = [4.0, 8.0, 16.0, 32.0, 64.0];
 
-/// How often unknowns that mean nothing may seem to, where the residuals are few.
-const BY_CHANCE: f64 = 0.01;
-
 /// Cells of all widths, one number for each point and width.
 #[derive(Clone, Debug)]
 pub(super) struct Cells {
     of: [Vec<u32>; WIDTHS.len()],
+    /// How often unknowns that mean nothing may seem to, where the residuals are few.
+    by_chance: f64,
 }
 
 impl Cells {
-    pub(super) fn new(cloud: &Cloud) -> Cells {
+    pub(super) fn new(cloud: &Cloud, tuning: &PartsTuning) -> Cells {
         let of = WIDTHS.map(|width| {
             let mut numbers: HashMap<[i32; 3], u32> = HashMap::new();
             let side = width * cloud.spacing.max(f64::MIN_POSITIVE);
@@ -47,7 +47,14 @@ impl Cells {
             };
             cloud.points.iter().map(&mut number).collect()
         });
-        Cells { of }
+        Cells { of, by_chance: tuning.by_chance }
+    }
+
+    /// What so many unknowns cost beside so many independent residuals.
+    pub(super) fn price(&self, unknowns: usize, independent: f64) -> f64 {
+        let unknowns = unknowns as f64;
+        let by_chance = ChiSquared::new(unknowns).map_or(0.0, |law| law.inverse_cdf(1.0 - self.by_chance));
+        0.5 * (unknowns * independent.ln()).max(by_chance)
     }
 
     /// How many of these residuals are independent.
@@ -83,7 +90,7 @@ impl Cells {
             let left = count - unknowns as f64;
             let p = chi_square_upper_tail(statistic, count);
             // as many cells as twice the unknowns: with fewer the fit itself has made most sums zero
-            if left >= unknowns as f64 && p < BY_CHANCE / WIDTHS.len() as f64 {
+            if left >= unknowns as f64 && p < self.by_chance / WIDTHS.len() as f64 {
                 together / squares * count / left
             } else {
                 1.0
@@ -150,8 +157,7 @@ impl Residuals {
 
     /// The same where both are one primitive: what the richer leaves over is errors then, and what the simpler leaves besides is not.
     pub(super) fn lose_to_kind(&self, richer: &Residuals, unknowns: usize, cells: &Cells, pass: &Noise) -> f64 {
-        let independent = cells.independent(&richer.distances);
-        self.lost(richer, unknowns, independent, (pass, 1.0))
+        self.lost(richer, (unknowns, cells.independent(&richer.distances)), cells, (pass, 1.0))
     }
 
     /// The same over the `share` of the contacts that is nearest, where others at the rim may be of neither: a plane with what a camera puts
@@ -164,20 +170,19 @@ impl Residuals {
         pass: &Noise,
         share: f64,
     ) -> f64 {
-        self.lost(richer, unknowns, cells.independent(&self.distances), (pass, share))
+        self.lost(richer, (unknowns, cells.independent(&self.distances)), cells, (pass, share))
     }
 
-    fn lost(&self, richer: &Residuals, unknowns: usize, independent: f64, (pass, share): (&Noise, f64)) -> f64 {
+    fn lost(
+        &self,
+        richer: &Residuals,
+        (unknowns, independent): (usize, f64),
+        cells: &Cells,
+        (pass, share): (&Noise, f64),
+    ) -> f64 {
         let (one, two) = (self.spread(pass, share), richer.spread(pass, share));
         let of_normals = if pass.normal.is_finite() { 2.0 * (one.normal / two.normal).ln() } else { 0.0 };
         let gain = (one.distance / two.distance).ln() + of_normals;
-        independent * gain - price(unknowns, independent)
+        independent * gain - cells.price(unknowns, independent)
     }
-}
-
-/// What so many unknowns cost beside so many independent residuals.
-pub(super) fn price(unknowns: usize, independent: f64) -> f64 {
-    let unknowns = unknowns as f64;
-    let by_chance = ChiSquared::new(unknowns).map_or(0.0, |law| law.inverse_cdf(1.0 - BY_CHANCE));
-    0.5 * (unknowns * independent.ln()).max(by_chance)
 }

@@ -13,7 +13,7 @@ use std::f64::consts::LN_2;
 
 use super::cell_means::NeighbourCells;
 use super::correlated_likelihood::CorrelatedErrors;
-use super::evidence::{Residuals, price};
+use super::evidence::Residuals;
 use super::hypothesis::{descended, extent, sampled};
 use super::local::{Noise, ROUNDING};
 use super::partition::{Field, Partition, SWEEPS};
@@ -67,7 +67,7 @@ impl<'a> MergeCandidate<'a> {
         let gain = |(primitive, independent): (Primitive, f64)| {
             let less = unknowns - primitive.kind.free().len();
             let found = errors.log_density(&means(&[(primitive, self.cells.members.len())]), &law);
-            (found - most + price(less, independent) + boundary, primitive)
+            (found - most + self.field.cells.price(less, independent) + boundary, primitive)
         };
         let gains = near.into_iter().map(gain).filter(|(gain, _)| *gain > 0.0);
         gains.reduce(|a, b| if b.0 > a.0 { b } else { a })
@@ -127,7 +127,7 @@ impl Partition {
         if any {
             self.replace(simpler);
             let scatter = self.scatter(field);
-            (0..SWEEPS).for_each(|_| self.relabel(field.cloud, &scatter));
+            (0..SWEEPS).for_each(|_| self.relabel(field, &scatter));
             self.drop_small();
         }
         any
@@ -178,7 +178,8 @@ mod tests {
         };
         let (points, normals): (Vec<Vector>, Vec<Vector>) = (0..SIDE * SIDE).map(contact).unzip();
         let cloud = Cloud::new(&points, normals).unwrap();
-        let (pass, tuning) = (LetPass::new(&cloud, None, false), PartsTuning::default());
+        let tuning = PartsTuning::default();
+        let pass = LetPass::new(&cloud, None, false, &tuning);
         let surveyed = Surveyed::new(cloud, &pass, &tuning);
         let field = surveyed.field(&tuning);
         let plane = |normal: Vector| Primitive {

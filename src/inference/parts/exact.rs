@@ -36,12 +36,6 @@ use palpate_numeric::vector::{along, axes_along, dot, minus};
 /// Points of a cell besides its first.
 const CELL: usize = 11;
 
-/// Below this probability the data reject the primitive. One true primitive in a hundred is then rejected by chance.
-pub(super) const REJECTED: f64 = 0.01;
-
-/// Half angles within so many uncertainties of zero are those of cylinders, and curvatures those of planes: an interval of 95 % holds zero.
-const LIKELY: f64 = 1.96;
-
 /// Whether two noises differ by so little that a fit is the same.
 fn is_settled(a: &Noise, b: &Noise) -> bool {
     // of no normals both are infinite
@@ -70,17 +64,19 @@ impl Exact {
     }
 
     /// Whether this is a cone whose half angle may as well be zero.
-    fn may_be_cylinder(&self) -> bool {
+    fn may_be_cylinder(&self, tuning: &PartsTuning) -> bool {
         let angle = self.descended.primitive.sizes[1];
         let is_cone = self.descended.primitive.kind == PartKind::Cone;
-        is_cone && self.covariance().is_none_or(|covariance| angle.powi(2) < LIKELY.powi(2) * covariance[6][6])
+        let squares = tuning.clear_u.powi(2);
+        is_cone && self.covariance().is_none_or(|covariance| angle.powi(2) < squares * covariance[6][6])
     }
 
     /// Whether this is a ball or bar that may as well be flat: 1/r has the uncertainty u_r / r^2.
-    fn may_be_plane(&self) -> bool {
+    fn may_be_plane(&self, tuning: &PartsTuning) -> bool {
         let Primitive { kind, sizes, .. } = self.descended.primitive;
         let is_round = matches!(kind, PartKind::Sphere | PartKind::Cylinder);
-        is_round && self.covariance().is_some_and(|covariance| sizes[0].powi(2) < LIKELY.powi(2) * covariance[5][5])
+        let squares = tuning.clear_u.powi(2);
+        is_round && self.covariance().is_some_and(|covariance| sizes[0].powi(2) < squares * covariance[5][5])
     }
 }
 
@@ -124,12 +120,12 @@ pub(super) fn simplest(
     cells: &Cells,
 ) -> Option<Exact> {
     let mut found = fitted(cloud, inner, start, noise, cells)?;
-    if found.may_be_cylinder() {
+    if found.may_be_cylinder(noise.tuning) {
         let cone = found.descended.primitive;
         let cylinder = Primitive { kind: PartKind::Cylinder, sizes: [cone.sizes[0].abs(), 0.0, 0.0], ..cone };
         found = fitted(cloud, inner, &cylinder, noise, cells).unwrap_or(found);
     }
-    if found.may_be_plane() {
+    if found.may_be_plane(noise.tuning) {
         let plane = tangent_plane(cloud, inner, &found.descended.primitive);
         found = fitted(cloud, inner, &plane, noise, cells).unwrap_or(found);
     }
@@ -283,16 +279,10 @@ mod tests {
         let (points, normals) = sampled(cloud, &members, usize::MAX);
         let sample = Sample { points: &points, normals: &normals, u_distance: 0.002, u_normal: 0.02 };
         let cone = descended(PartKind::Cone, &sample, &[], extent(&points)).unwrap().primitive;
-        let (coarse, cells) = (Noise { distance: 0.1, normal: 0.3 }, Cells::new(cloud));
+        let (coarse, tuning) = (Noise { distance: 0.1, normal: 0.3 }, PartsTuning::default());
+        let begin = StartNoise { coarse, is_known: false, measured: true, along: 0.0, tuning: &tuning };
         let fit = if simple { simplest } else { fitted };
-        fit(
-            cloud,
-            &members,
-            &cone,
-            &StartNoise { coarse, is_known: false, measured: true, along: 0.0, tuning: &PartsTuning::default() },
-            &cells,
-        )
-        .unwrap()
+        fit(cloud, &members, &cone, &begin, &Cells::new(cloud, &tuning)).unwrap()
     }
 
     #[test]
@@ -321,8 +311,10 @@ mod tests {
         let sample = Sample { points: &points, normals: &normals, u_distance: 0.1, u_normal: 0.3 };
         let ball = descended(PartKind::Sphere, &sample, &[], extent(&points)).unwrap().primitive;
         let coarse = Noise { distance: 0.3, normal: 0.9 };
-        let begin = StartNoise { coarse, is_known: false, measured: true, along: 0.0, tuning: &PartsTuning::default() };
-        simplest(&cloud, &members, &ball, &begin, &Cells::new(&cloud)).unwrap().descended.primitive.kind
+        let tuning = PartsTuning::default();
+        let begin = StartNoise { coarse, is_known: false, measured: true, along: 0.0, tuning: &tuning };
+        let cells = Cells::new(&cloud, &tuning);
+        simplest(&cloud, &members, &ball, &begin, &cells).unwrap().descended.primitive.kind
     }
 
     #[test]

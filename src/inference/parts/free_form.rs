@@ -11,16 +11,11 @@
 
 use super::cloud::Cloud;
 use super::hypothesis::sampled;
+use super::tuning::PartsTuning;
 use crate::recognition::{FieldChoice, RecognitionOptions, Tuning, flexible, own_axes};
 use palpate_fitting::fit::{Fit, FitOptions, Smooth, Statistic, fit_contacts_over};
 use palpate_geometry::contact::Contacts;
 use palpate_numeric::vector::{Vector, norm};
-
-/// Mean unit normals shorter than this belong to a region that bends too far for one height field.
-const ONE_SIDED: f64 = 0.6;
-
-/// Share of the relief that a field may leave at contacts left out.
-const PREDICTED: f64 = 0.5;
 
 /// What the spline says, in the cloud's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,27 +43,27 @@ const FAINT: Smooth = Smooth::Lambda(1e-9);
 const RICH_CONTACTS: usize = 3000;
 
 /// The spline through these members; `None` where no height field follows them.
-pub(super) fn free_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
-    let (contacts, axes) = one_sided(cloud, members, usize::MAX)?;
+pub(super) fn free_form(cloud: &Cloud, members: &[u32], tuning: &PartsTuning) -> Option<FreeForm> {
+    let (contacts, axes) = one_sided(cloud, members, usize::MAX, tuning)?;
     let options = FitOptions::default();
     let fit = match flexible(&contacts, axes, &options, &Tuning::default()) {
-        Some(field) => field.ok().filter(|field| field.error < PREDICTED * field.relief)?.fit,
+        Some(field) => field.ok().filter(|field| field.error < tuning.field_predicts * field.relief)?.fit,
         None => fit_contacts_over(&contacts, axes, &options).ok()?,
     };
     described(&fit)
 }
 
 /// How near a height field of some contacts, `most` at the most, comes to those left out; `None` where none follows them.
-pub(super) fn predicted(cloud: &Cloud, most: usize) -> Option<f64> {
+pub(super) fn predicted(cloud: &Cloud, most: usize, tuning: &PartsTuning) -> Option<f64> {
     let all: Vec<u32> = (0..cloud.len() as u32).collect();
-    let (contacts, axes) = one_sided(cloud, &all, most)?;
+    let (contacts, axes) = one_sided(cloud, &all, most, tuning)?;
     let field = FieldChoice::of(&contacts, axes, &FitOptions::default(), &Tuning::default())?;
-    (field.error < PREDICTED * field.relief).then_some(field.error)
+    (field.error < tuning.field_predicts * field.relief).then_some(field.error)
 }
 
 /// A field that leaves S and R open, for doubt about a primitive; `None` where no height field follows the members.
-pub(super) fn rich_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
-    let (contacts, axes) = one_sided(cloud, members, RICH_CONTACTS)?;
+pub(super) fn rich_form(cloud: &Cloud, members: &[u32], tuning: &PartsTuning) -> Option<FreeForm> {
+    let (contacts, axes) = one_sided(cloud, members, RICH_CONTACTS, tuning)?;
     let segments = RICH.into_iter().find(|(from, _)| members.len() >= *from).map_or(1, |(_, segments)| segments);
     let of = |degree: usize, segments: usize| {
         let options = FitOptions::default().with_degree(degree).with_segments(segments, segments).with_smooth(FAINT);
@@ -78,10 +73,10 @@ pub(super) fn rich_form(cloud: &Cloud, members: &[u32]) -> Option<FreeForm> {
 }
 
 /// The members as contacts, at most so many, with the axes of their own plane; `None` where their normals share no side.
-fn one_sided(cloud: &Cloud, members: &[u32], most: usize) -> Option<(Contacts, [Vector; 3])> {
+fn one_sided(cloud: &Cloud, members: &[u32], most: usize, tuning: &PartsTuning) -> Option<(Contacts, [Vector; 3])> {
     let (points, normals) = sampled(cloud, members, most);
     let sum = normals.iter().fold([0.0; 3], |sum, n| [0, 1, 2].map(|k| sum[k] + n[k]));
-    if norm(sum) < ONE_SIDED * normals.len() as f64 {
+    if norm(sum) < tuning.field_one_sided * normals.len() as f64 {
         return None;
     }
     let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);

@@ -150,7 +150,7 @@ mod tests {
     fn regions_end_at_an_edge_and_leave_settled_parts_alone() {
         let tuning = PartsTuning::default();
         let cloud = faces();
-        let pass = LetPass::new(&cloud, None, false);
+        let pass = LetPass::new(&cloud, None, false, &tuning);
         let surveyed = Surveyed::new(cloud, &pass, &tuning);
         let field = surveyed.field(&tuning);
         let nothing = Partition { parts: Vec::new(), labels: vec![NONE; 800] };

@@ -14,9 +14,6 @@ use super::local::Noise;
 use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
 use palpate_numeric::vector::Vector;
 
-/// Components of a point's own bend against which those of the whole cloud count: they differ from place to place.
-const BELIEF: f64 = 10.0;
-
 /// Inverse of `C_3`: the means of `k_x^a k_y^b` over the directions of k are 5/16 and 1/16, and the tensor's mean square is 1.
 const THIRD: Square<4> = [[4.0, 0.0, -4.0, 0.0], [0.0, 20.0, 0.0, -4.0], [-4.0, 0.0, 20.0, 0.0], [0.0, -4.0, 0.0, 4.0]];
 /// Inverse of `C_4`, of 35/128, 5/128 and 3/128.
@@ -45,6 +42,8 @@ pub(super) struct Law {
     pub(super) noise: Noise,
     /// Mean square of a third and of a fourth derivative.
     pub(super) bend: [f64; 2],
+    /// Components of a point's own bend against which that counts.
+    pub(super) belief: f64,
 }
 
 /// The surface about one point.
@@ -89,7 +88,7 @@ impl Neighbourhood {
         let moments = moments(&first, &covariance_of_higher(&lower), &start);
         let own: [f64; 2] = std::array::from_fn(|k| {
             let count = 4.0 + k as f64;
-            (BELIEF * whole[k] + count * moments[k]) / (BELIEF + count)
+            (law.belief * whole[k] + count * moments[k]) / (law.belief + count)
         });
         let lower = factor(&weighted.0, &own)?;
         let last = Solved {
@@ -301,7 +300,7 @@ mod tests {
         let tree = Neighbours::new(&points);
         let touched = Touched { points: &points, normals: &normals, tree: &tree, measured: true };
         let near = Neighbourhood::of(&touched, 112, 150).unwrap();
-        let law = Law { size: 150, noise: Noise { distance: noise, normal: noise }, bend: [1.0; 2] };
+        let law = Law { size: 150, noise: Noise { distance: noise, normal: noise }, bend: [1.0; 2], belief: 10.0 };
         (near.jet(&law).unwrap(), near.length)
     }
 

@@ -56,7 +56,7 @@ impl Partition {
     fn gains(&self, field: &Field, pairs: &[(usize, usize)], gain: &PairGain) -> Vec<(f64, Primitive, (usize, usize))> {
         let cloud = field.cloud;
         let members = self.members();
-        let inner = threads::map(members.len(), 1, |part| self.inner(cloud, &members[part]));
+        let inner = threads::map(members.len(), 1, |part| self.inner(cloud, &members[part], field.tuning));
         let adjacent = self.adjacent(cloud);
         let judged = threads::map(pairs.len(), 1, |k| {
             let (a, b) = pairs[k];
@@ -145,8 +145,8 @@ mod tests {
         };
         let (points, normals): (Vec<Vector>, Vec<Vector>) = half(degrees, -1.0).chain(half(degrees, 1.0)).unzip();
         let cloud = Cloud::new(&points, normals).unwrap();
-        let pass = LetPass::new(&cloud, None, false);
         let tuning = PartsTuning::default();
+        let pass = LetPass::new(&cloud, None, false, &tuning);
         let surveyed = Surveyed::new(cloud, &pass, &tuning);
         let field = surveyed.field(&tuning);
         let plane = |i: usize| Primitive {

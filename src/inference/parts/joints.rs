@@ -14,18 +14,9 @@ use std::collections::BTreeMap;
 use super::cloud::Cloud;
 use super::joint_angle::{MeetingPlace, turn_at};
 use super::partition::NONE;
+use super::tuning::PartsTuning;
 use palpate_numeric::linalg::small::{Square, cholesky, solve};
 use palpate_numeric::vector::{Vector, along, minus, norm};
-
-/// Fewest pairs of points that make a joint: a corner where parts meet in one point has fewer.
-const FEWEST_PAIRS: usize = 6;
-
-/// Normals that turn by less than this are one smooth surface to a reader, in degrees: boundaries are known to half a
-/// spacing, which on a body 12 spacings wide turns a normal by as much.
-const SMOOTH_DEG: f64 = 5.0;
-
-/// Distances between the two contacts of a pair within which its parts meet: an edge of 30 degrees lies so far from their middle.
-const REACH: f64 = 2.0;
 
 /// Newton's steps to the place where two parts meet: each squares what is left of their bend within the reach.
 const STEPS: usize = 3;
@@ -79,6 +70,7 @@ pub(super) fn joints(
     cloud: &Cloud,
     labels: &[u32],
     gap: f64,
+    tuning: &PartsTuning,
     surface: impl Fn(u32, usize, Vector) -> (f64, Vector),
 ) -> Vec<FoundJoint> {
     let mut pairs: BTreeMap<[u32; 2], MeetingParts> = BTreeMap::new();
@@ -93,14 +85,15 @@ pub(super) fn joints(
             let both = |place: Vector| [surface(a, i, place), surface(b, j as usize, place)];
             let found = pairs.entry([a, b]).or_default();
             found.pairs += 1;
-            if meet(middle, REACH * norm(minus(q, p)), gap, both) {
+            if meet(middle, tuning.joint_reach * norm(minus(q, p)), gap, both) {
                 let [(_, one), (_, two)] = both(middle);
                 found.turns.push(turn_at(one, two, minus(q, p)));
                 found.meetings.push(MeetingPlace { place: middle, across: minus(q, p) });
             }
         }
     }
-    pairs.into_iter().filter(|(_, found)| found.is_joint()).map(|(parts, found)| found.joint(parts)).collect()
+    let meeting = pairs.into_iter().filter(|(_, found)| found.is_joint(tuning.joint_pairs));
+    meeting.map(|(parts, found)| found.joint(parts, tuning.joint_smooth_deg)).collect()
 }
 
 /// Linked contacts of two parts, and what the normal turns by where the parts meet beside them.
@@ -130,18 +123,18 @@ fn meet(middle: Vector, reach: f64, gap: f64, both: impl Fn(Vector) -> [(f64, Ve
 }
 
 impl MeetingParts {
-    fn is_joint(&self) -> bool {
-        self.turns.len() >= FEWEST_PAIRS && 2 * self.turns.len() >= self.pairs
+    fn is_joint(&self, fewest_pairs: usize) -> bool {
+        self.turns.len() >= fewest_pairs && 2 * self.turns.len() >= self.pairs
     }
 
-    /// What the turns make of their joint.
-    fn joint(self, [a, b]: [u32; 2]) -> FoundJoint {
+    /// What the turns make of their joint, which is smooth where they are no more than so many degrees.
+    fn joint(self, [a, b]: [u32; 2], smooth_deg: f64) -> FoundJoint {
         let count = self.turns.len() as f64;
         let signed = self.turns.iter().sum::<f64>() / count;
         let unsigned = self.turns.iter().map(|turn| turn.abs()).sum::<f64>() / count;
         // a boundary that is off by half a spacing turns the normals of a smooth joint either way, and the signs cancel; at an edge
         // noise may reverse the sign of a pair, but not its angle
-        let is_smooth = signed.abs().to_degrees() < SMOOTH_DEG && unsigned.to_degrees() < 3.0 * SMOOTH_DEG;
+        let is_smooth = signed.abs().to_degrees() < smooth_deg && unsigned.to_degrees() < 3.0 * smooth_deg;
         let (kind, angle) = match signed {
             _ if is_smooth => (JointKind::Smooth, signed.abs()),
             turn if turn > 0.0 => (JointKind::Convex, unsigned),

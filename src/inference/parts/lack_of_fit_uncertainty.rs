@@ -3,7 +3,7 @@
 //! ```text
 //! u^2 = u_sizes^2 + (S_rich - S)^2 + u(S_rich)^2                R alike; S_rich, R_rich: of a quartic field (`free_form.rs`)
 //! asked where    the data reject the primitive, or that half of the cloud's primitives are true,
-//!                or |S_rich - S| > 1.96 u(S_rich), or R so, and the field leaves no more than the primitive but by chance
+//!                or |S_rich - S| > clear_u u(S_rich), or R so, and the field leaves no more than the primitive but by chance
 //! half true      P(Bin(k, p_m) >= m) of the k primitives that could be tested, with p_m the m-th smallest of their p, m = ceil(k / 2)
 //! ```
 //!
@@ -14,33 +14,30 @@
 //! the field's would read a scanner's waves as shape.
 
 use super::cloud::{Cloud, DIGITS};
-use super::exact::{Exact, REJECTED};
+use super::exact::Exact;
 use super::free_form::rich_form;
 use super::result::PartUncertainty;
+use super::tuning::PartsTuning;
 use statrs::distribution::{Beta, ContinuousCDF};
 
-/// A difference of so many uncertainties is no chance: one true primitive in twenty is doubted, and its u is then two to three
-/// times that of the field.
-const CLEAR: f64 = 1.96;
-
 /// Whether the data reject this primitive by more than the digits of a file; `None` where it could not be tested.
-pub(super) fn is_rejected(exact: &Exact) -> Option<bool> {
-    exact.p.map(|p| p < REJECTED && exact.departure > DIGITS)
+pub(super) fn is_rejected(exact: &Exact, tuning: &PartsTuning) -> Option<bool> {
+    exact.p.map(|p| p < tuning.rejected && exact.departure > DIGITS)
 }
 
 /// Whether the data reject that half of the cloud's primitives are true: it is then no body of primitives.
-pub(super) fn is_free_form(exact: &[Option<Exact>]) -> bool {
+pub(super) fn is_free_form(exact: &[Option<Exact>], tuning: &PartsTuning) -> bool {
     let of = |exact: &Exact| exact.p.map(|p| if exact.departure > DIGITS { p } else { 1.0 });
-    is_half_rejected(exact.iter().flatten().filter_map(of).collect())
+    is_half_rejected(exact.iter().flatten().filter_map(of).collect(), tuning)
 }
 
 /// Whether the median of these p is too small for chance. Were half of what they test true, it would be no smaller than that of as many
 /// uniform draws, which follows a beta distribution.
-fn is_half_rejected(mut tested: Vec<f64>) -> bool {
+fn is_half_rejected(mut tested: Vec<f64>, tuning: &PartsTuning) -> bool {
     tested.sort_by(f64::total_cmp);
     let half = tested.len().div_ceil(2);
     let Some(median) = half.checked_sub(1).map(|at| tested[at]) else { return false };
-    Beta::new(half as f64, (tested.len() - half + 1) as f64).is_ok_and(|chance| chance.cdf(median) < REJECTED)
+    Beta::new(half as f64, (tested.len() - half + 1) as f64).is_ok_and(|chance| chance.cdf(median) < tuning.rejected)
 }
 
 /// Lets u of a primitive's S and R (cloud's units; S `None` on a plane) reach to those of a rich field.
@@ -50,14 +47,15 @@ pub(super) fn reach(
     exact: Option<&Exact>,
     (s, r): (Option<f64>, f64),
     is_doubted: bool,
+    tuning: &PartsTuning,
     u: &mut PartUncertainty,
 ) {
-    let Some(rich) = rich_form(cloud, members) else { return };
+    let Some(rich) = rich_form(cloud, members, tuning) else { return };
     let of_s = s.zip(rich.shape_index).map(|(s, (rich, own))| (rich - s, own.unwrap_or(0.0)));
     let of_r = (rich.curvedness.0 - r, rich.curvedness.1.unwrap_or(0.0));
-    let clear = |(off, own): (f64, f64)| own > 0.0 && off.abs() > CLEAR * own;
+    let clear = |(off, own): (f64, f64)| own > 0.0 && off.abs() > tuning.clear_u * own;
     // the root mean square of n residuals scatters by a share of 1 / sqrt(2 n)
-    let chance = 1.0 + CLEAR / (2.0 * members.len() as f64).sqrt();
+    let chance = 1.0 + tuning.clear_u / (2.0 * members.len() as f64).sqrt();
     let follows = exact.is_some_and(|e| rich.misfit <= chance * e.noise.distance);
     if !is_doubted && !(follows && (clear(of_r) || of_s.is_some_and(clear))) {
         return;
@@ -72,7 +70,7 @@ pub(super) fn reach(
 #[cfg(test)]
 mod tests {
     use super::is_half_rejected;
-    use crate::parts::{PartKind, Parts, PartsOptions};
+    use crate::parts::{PartKind, Parts, PartsOptions, PartsTuning};
     use palpate_geometry::contact::Contacts;
     use palpate_numeric::draws::EffectDraws;
     use palpate_numeric::vector::Vector;
@@ -127,19 +125,19 @@ mod tests {
     /// primitives, though none of them is rejected alone; a body of which most parts are true is one.
     #[test]
     fn half_of_the_parts_decide_together() {
-        let draws = EffectDraws::new(9, "median");
+        let (draws, tuning) = (EffectDraws::new(9, "median"), PartsTuning::default());
         let rejected = |parts: usize| {
             let of = |cloud: u64| {
                 let mut p = vec![0.0; parts];
                 draws.uniforms(cloud, 0, parts, &mut p);
-                is_half_rejected(p)
+                is_half_rejected(p, &tuning)
             };
             (0..4000).filter(|cloud| of(*cloud)).count()
         };
         let counts = [1, 2, 3, 8, 31].map(rejected);
         assert!(counts.iter().all(|count| (15..70).contains(count)), "{counts:?} of 4000");
-        assert!(is_half_rejected(vec![0.03, 0.02, 0.04, 0.05, 0.6, 0.012, 0.3]));
-        assert!(!is_half_rejected(vec![1e-30, 1e-9, 1e-20, 0.4, 0.3, 0.8, 0.6]));
-        assert!(!is_half_rejected(Vec::new()));
+        assert!(is_half_rejected(vec![0.03, 0.02, 0.04, 0.05, 0.6, 0.012, 0.3], &tuning));
+        assert!(!is_half_rejected(vec![1e-30, 1e-9, 1e-20, 0.4, 0.3, 0.8, 0.6], &tuning));
+        assert!(!is_half_rejected(Vec::new(), &tuning));
     }
 }

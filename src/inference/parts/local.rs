@@ -11,6 +11,7 @@
 use std::sync::OnceLock;
 
 use super::cloud::{Cloud, LINKED, NEAREST};
+use super::tuning::PartsTuning;
 use palpate_geometry::contact::Rounding;
 use palpate_geometry::curvature::{Derivatives, Principal};
 use palpate_numeric::linalg::small::{Square, cholesky, inverse, solve};
@@ -23,9 +24,6 @@ use palpate_numeric::vector::{axes_along, dot, minus};
 const SMOOTH: f64 = 0.3;
 /// The same quantile of a gaussian.
 const SMOOTH_GAUSSIAN: f64 = -0.5244;
-
-/// Cosine between the normals of two neighbours below which they are on no one sheet.
-pub(super) const FACES_AWAY: f64 = 0.2;
 
 /// Noise below this share of the cloud's size is rounding.
 pub(super) const ROUNDING: f64 = 1e-10;
@@ -93,24 +91,27 @@ const WIDTHS: [Width; 2] =
     [Width { nearest: LINKED, freedom: [5.0, 15.0] }, Width { nearest: NEAREST, freedom: [16.0, 36.0] }];
 
 /// The noise that most neighbourhoods show, the narrow ones and the wide ones.
-pub(super) fn noise_by_width(cloud: &Cloud) -> [Noise; 2] {
-    WIDTHS.map(|width| noise_at(cloud, &width))
+pub(super) fn noise_by_width(cloud: &Cloud, tuning: &PartsTuning) -> [Noise; 2] {
+    WIDTHS.map(|width| noise_at(cloud, &width, tuning.faces_away))
 }
 
 /// The surfaces at the points of a cloud, each computed when it is first asked for: of very many contacts few are in no part.
 pub(super) struct LocalShapes {
     noise: Noise,
+    /// Cosine between the normals of a point and of a neighbour up to which they are on no one sheet.
+    faces_away: f64,
     known: Vec<OnceLock<Box<LocalShape>>>,
 }
 
 impl LocalShapes {
     /// By the noise of wide neighbourhoods.
-    pub(super) fn new(count: usize, noise: Noise) -> LocalShapes {
-        LocalShapes { noise, known: std::iter::repeat_with(OnceLock::new).take(count).collect() }
+    pub(super) fn new(count: usize, noise: Noise, tuning: &PartsTuning) -> LocalShapes {
+        let known = std::iter::repeat_with(OnceLock::new).take(count).collect();
+        LocalShapes { noise, faces_away: tuning.faces_away, known }
     }
 
     pub(super) fn at(&self, cloud: &Cloud, i: usize) -> &LocalShape {
-        self.known[i].get_or_init(|| Box::new(local_shape(cloud, i, NEAREST, &self.noise)))
+        self.known[i].get_or_init(|| Box::new(local_shape(cloud, i, NEAREST, (&self.noise, self.faces_away))))
     }
 
     /// Those of some points, computed side by side.
@@ -120,12 +121,12 @@ impl LocalShapes {
 }
 
 /// The noise that most neighbourhoods of one width show.
-fn noise_at(cloud: &Cloud, width: &Width) -> Noise {
+fn noise_at(cloud: &Cloud, width: &Width, faces_away: f64) -> Noise {
     // the ratio of the two noises decides little: any start of the right size finds it in two rounds
     let mut noise = Noise { distance: 0.1 * cloud.spacing, normal: 0.05 };
     let asked: Vec<usize> = evenly_among(cloud.len(), ENOUGH_FOR_RANKS).collect();
     for _ in 0..3 {
-        let at = |k: usize| local_shape(cloud, asked[k], width.nearest, &noise).variance;
+        let at = |k: usize| local_shape(cloud, asked[k], width.nearest, (&noise, faces_away)).variance;
         let variances = threads::map(asked.len(), 64, at);
         let quantile = |block: usize| {
             let values: Vec<f64> = variances.iter().map(|v: &[f64; 2]| v[block]).collect();
@@ -139,7 +140,7 @@ fn noise_at(cloud: &Cloud, width: &Width) -> Noise {
     noise
 }
 
-fn local_shape(cloud: &Cloud, i: usize, nearest: usize, noise: &Noise) -> LocalShape {
+fn local_shape(cloud: &Cloud, i: usize, nearest: usize, (noise, faces_away): (&Noise, f64)) -> LocalShape {
     let axes = axes_along(cloud.normals[i]);
     let length = cloud.spacing;
     let near = &cloud.near(i)[..nearest];
@@ -149,7 +150,7 @@ fn local_shape(cloud: &Cloud, i: usize, nearest: usize, noise: &Noise) -> LocalS
         let [x, y, z] = axes.map(|axis| dot(axis, offset) / length);
         let [nx, ny, nz] = axes.map(|axis| dot(axis, cloud.normals[j as usize]));
         // what faces away is another wall, or lies beyond an edge
-        if nz <= FACES_AWAY {
+        if nz <= faces_away {
             continue;
         }
         let heavy = length / noise.distance;

@@ -1,7 +1,7 @@
 //! Which point belongs to which primitive: regions one after another, then all of them together.
 //!
 //! ```text
-//! energy = sum_p cost(p, label p) / 2 + AGREE (pairs of neighbours with different labels) + sum_parts unknowns ln(rows) / 2
+//! energy = sum_p cost(p, label p) / 2 + agree (pairs of neighbours with different labels) + sum_parts unknowns ln(rows) / 2
 //! 1. grow a region from the smoothest point that no region explains; keep it if it lowers the energy
 //! 2. repeat: fit every part to its inner points; give every point the best label among its neighbours'; join two parts
 //!    where one primitive explains both as well
@@ -22,10 +22,6 @@ use crate::primitives::placed::{PartKind, Primitive};
 use palpate_numeric::statistics::{MAD_TO_SD, RAYLEIGH_TO_SD, upper_median};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{minus, norm};
-
-/// What a pair of neighbours with different labels costs. A point with all 8 neighbours on the other side changes sides
-/// unless it costs 6 more there, which noise does once in thirty.
-pub(super) const AGREE: f64 = 0.7;
 
 /// Rounds of fitting and relabelling; most clouds settle in five.
 pub(super) const ROUNDS: usize = 15;
@@ -122,11 +118,11 @@ impl Partition {
     /// Those of them whose neighbours all belong to the same part or to none; all of them where these are too few. Neighbours on the other
     /// side of a thin wall are no reason to leave a contact out: those that errors take away from that wall would be left, and the wall
     /// be too thick.
-    pub(super) fn inner(&self, cloud: &Cloud, members: &[u32]) -> Vec<u32> {
+    pub(super) fn inner(&self, cloud: &Cloud, members: &[u32], tuning: &PartsTuning) -> Vec<u32> {
         let is_inner = |i: &u32| {
-            let own = self.labels[*i as usize];
-            let beside = cloud.linked(*i as usize).iter().map(|j| *j as usize);
-            beside.filter(|j| !cloud.are_back_to_back(*i as usize, *j)).all(|j| [own, NONE].contains(&self.labels[j]))
+            let (own, i) = (self.labels[*i as usize], *i as usize);
+            let beside = cloud.linked(i).iter().map(|j| *j as usize);
+            beside.filter(|j| !cloud.are_back_to_back(i, *j, tuning)).all(|j| [own, NONE].contains(&self.labels[j]))
         };
         let inner: Vec<u32> = members.iter().copied().filter(is_inner).collect();
         if inner.len() >= FEWEST_POINTS { inner } else { members.to_vec() }
@@ -141,7 +137,7 @@ impl Partition {
 
     /// The simplest kind for a part's inner points, where these are enough.
     fn chosen_for(&self, field: &Field, part: usize, members: &[u32]) -> Option<Primitive> {
-        let inner = self.inner(field.cloud, members);
+        let inner = self.inner(field.cloud, members, field.tuning);
         if inner.len() < NEAREST / 2 { None } else { chosen(field, &inner, &self.parts[part]) }
     }
 
@@ -180,8 +176,8 @@ impl Partition {
     }
 
     /// Every point takes the label of least energy among those of its neighbours, all at once.
-    pub(super) fn relabel(&mut self, cloud: &Cloud, scatter: &PartsScatter) {
-        let labels = &self.labels;
+    pub(super) fn relabel(&mut self, field: &Field, scatter: &PartsScatter) {
+        let (cloud, labels, agree) = (field.cloud, &self.labels, field.tuning.agree);
         let prices: Vec<f64> = (0..self.parts.len()).map(|part| scatter.price(part)).collect();
         let chosen = threads::map(cloud.len(), 256, |i| {
             let own = labels[i];
@@ -202,7 +198,7 @@ impl Partition {
                         (own + prices[part]).min(CAP)
                     }
                 };
-                0.5 * data + AGREE * differing as f64
+                0.5 * data + agree * differing as f64
             };
             let of = |label: u32| (energy(label), label);
             candidates.into_iter().map(of).fold(of(own), |best, new| if new.0 < best.0 { new } else { best }).1

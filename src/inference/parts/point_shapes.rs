@@ -30,10 +30,6 @@ use palpate_numeric::vector::Vector;
 /// Points along the curve whose jets may serve each other.
 const BLOCK: usize = 512;
 
-/// Weight from which on a neighbour is wholly on the point's side of the body: within a quarter of the radius its distance takes less than a
-/// hundredth of it, and a normal that begins to turn away takes the rest.
-const FULL: f64 = 0.9;
-
 /// Shape at each input point, in the order and unit of the input; what a point's neighbours leave open is not a number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointShapes {
@@ -156,7 +152,8 @@ fn in_block(touched: &Touched, points: Range<usize>, law: &Law, tuning: &PartsTu
 fn serves(jet: &Jet, near: &Near, tuning: &PartsTuning) -> bool {
     let [x, y] = near.place;
     let more = jet.left_out(near.place).powi(2) - jet.left_out([0.0; 2]).powi(2);
-    x.hypot(y) <= tuning.jet_serves && near.share >= FULL && more <= tuning.jet_serves_misfit * jet.variance_of_second()
+    let is_near = x.hypot(y) <= tuning.jet_serves && near.share >= tuning.jet_serves_weight;
+    is_near && more <= tuning.jet_serves_misfit * jet.variance_of_second()
 }
 
 /// What a jet says of a place in its axes; `None` where curvatures are no numbers.

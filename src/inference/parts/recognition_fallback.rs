@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! asked where no part of the cloud has cells enough for a test of its lack of fit (`exact.rs`)
-//! P(class of the primitive | contacts) >= P(likeliest class) / 2      the primitive stays; u(S), u(R), u(radius)/radius are at least
+//! P(class of the primitive | contacts) >= few_open P(likeliest class) the primitive stays; u(S), u(R), u(radius)/radius are at least
 //! and its R in the interval of R                                      u(S), u(R), u(R)/R of the recognition
 //! else                                                                a patch with S, R and u of the recognition
 //! ```
@@ -16,6 +16,7 @@ use super::exact::Exact;
 use super::free_form::FreeForm;
 use super::hypothesis::sampled;
 use super::result::PartUncertainty;
+use super::tuning::PartsTuning;
 use crate::primitives::placed::PartKind;
 use crate::recognition::{Recognition, RecognitionOptions};
 use palpate_geometry::contact::Contacts;
@@ -23,16 +24,6 @@ use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::threads;
 use palpate_numeric::vector::norm;
-
-/// A class at least so likely, beside the likeliest, is not contradicted. Touches that leave open whether a ridge is a dome
-/// give both some half.
-const OPEN: f64 = 0.5;
-
-/// Share of R by which two fits of exact contacts may differ: intervals of no width hold no other fit.
-const SAME: f64 = 1e-3;
-
-/// Length of the mean unit normal from which on contacts lie on one side of their part: half a ball has 0.5.
-const ONE_SIDE: f64 = 0.5;
 
 /// What the recognition says of the members of one part.
 #[derive(Clone, Debug)]
@@ -43,18 +34,24 @@ pub(super) struct Few {
 
 /// Of every part, where none of the cloud's primitives could be tested. `measured` says whether the normals are: those of planes through
 /// neighbours tell nothing new.
-pub(super) fn few(cloud: &Cloud, measured: bool, members: &[Vec<u32>], exact: &[Option<Exact>]) -> Vec<Option<Few>> {
+pub(super) fn few(
+    cloud: &Cloud,
+    measured: bool,
+    members: &[Vec<u32>],
+    exact: &[Option<Exact>],
+    tuning: &PartsTuning,
+) -> Vec<Option<Few>> {
     let tested = exact.iter().flatten().any(|e| e.p.is_some());
-    let asked = |k: usize| if tested { None } else { Few::of(cloud, measured, &members[k]) };
+    let asked = |k: usize| if tested { None } else { Few::of(cloud, measured, &members[k], tuning) };
     threads::map(exact.len(), 1, asked)
 }
 
 impl Few {
     /// `None` where the recognition refuses.
-    fn of(cloud: &Cloud, measured: bool, members: &[u32]) -> Option<Few> {
+    fn of(cloud: &Cloud, measured: bool, members: &[u32], tuning: &PartsTuning) -> Option<Few> {
         let (points, normals) = sampled(cloud, members, usize::MAX);
         // all round there is no direction of the free side, and classes of both sides stay open
-        let up = Some(mean_of(&normals)).filter(|mean| norm(*mean) > ONE_SIDE);
+        let up = Some(mean_of(&normals)).filter(|mean| norm(*mean) > tuning.few_one_side);
         let options = RecognitionOptions { up, ..RecognitionOptions::default() };
         let contacts = Contacts::from_points(&points);
         let contacts = if measured { contacts.with_normal_vectors(&normals) } else { contacts };
@@ -65,7 +62,7 @@ impl Few {
 
     /// Whether a primitive of this kind, class and mean R, in the cloud's units, is hardly what the contacts show. The R of a
     /// cone or ring differs from place to place: one that was recognised as such is not contradicted by where means were taken.
-    pub(super) fn contradicts(&self, kind: PartKind, class: ShapeClass, curvedness: f64) -> bool {
+    pub(super) fn contradicts(&self, kind: PartKind, class: ShapeClass, curvedness: f64, tuning: &PartsTuning) -> bool {
         let varies = matches!(kind, PartKind::Cone | PartKind::Torus);
         if varies && self.found.hypothesis.name() == kind.name() {
             return false;
@@ -75,9 +72,9 @@ impl Few {
         // planes through few neighbours do not tell the side
         let of = |class: ShapeClass| if self.measured { one(class) } else { one(class).max(one(class.mirrored())) };
         let [lo, hi] = self.found.curvedness.interval;
-        let slack = SAME * curvedness;
+        let slack = tuning.few_same * curvedness;
         let bends_otherwise = class != ShapeClass::Plane && !(lo - slack..=hi + slack).contains(&curvedness);
-        bends_otherwise || classes.first().is_some_and(|(_, most)| of(class) < OPEN * most)
+        bends_otherwise || classes.first().is_some_and(|(_, most)| of(class) < tuning.few_open * most)
     }
 
     /// The class of the mean S, or plane.

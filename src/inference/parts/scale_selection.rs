@@ -43,7 +43,7 @@ pub(super) fn law(touched: &Touched, asked: &[usize], spacing: f64, tuning: &Par
     let mut best: Option<(f64, Law)> = None;
     let least = tuning.jet_sizes[0];
     for size in tuning.jet_sizes.into_iter().filter(|size| *size == least || size + 1 < touched.points.len() / 4) {
-        let Some((score, law)) = settled(touched, asked, spacing, size) else { break };
+        let Some((score, law)) = settled(touched, asked, spacing, (size, tuning.jet_belief)) else { break };
         let misfits = best.is_some_and(|(_, last)| {
             let grows = |of: fn(&Noise) -> f64| of(&law.noise) > tuning.jet_misfit * of(&last.noise);
             grows(|noise| noise.distance) || grows(|noise| noise.normal)
@@ -57,10 +57,10 @@ pub(super) fn law(touched: &Touched, asked: &[usize], spacing: f64, tuning: &Par
 }
 
 /// Noise and bend as neighbourhoods of one size show them, and the median variance of curvature.
-fn settled(touched: &Touched, asked: &[usize], spacing: f64, size: usize) -> Option<(f64, Law)> {
+fn settled(touched: &Touched, asked: &[usize], spacing: f64, (size, belief): (usize, f64)) -> Option<(f64, Law)> {
     let reach = spacing * (size as f64 / std::f64::consts::PI).sqrt();
     let noise = Noise { distance: 0.1 * spacing, normal: 0.05 };
-    let mut law = Law { size, noise, bend: [reach.powi(-4), reach.powi(-6)] };
+    let mut law = Law { size, noise, bend: [reach.powi(-4), reach.powi(-6)], belief };
     // the same neighbours in every round: noises and bends alone are others
     let near: Vec<Neighbourhood> =
         threads::map(asked.len(), 16, |k| Neighbourhood::of(touched, asked[k], size)).into_iter().flatten().collect();

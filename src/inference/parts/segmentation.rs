@@ -51,7 +51,7 @@ impl Segmentation {
         }
         let cloud =
             Cloud::among(&places, normals, near).ok_or(PartsError::NoExtent)?.rounded(Rounding::of_contacts(contacts));
-        let pass = LetPass::new(&cloud, options.tolerance, !measured);
+        let pass = LetPass::new(&cloud, options.tolerance, !measured, tuning);
         let mut all = Surveyed::new(cloud, &pass, tuning);
         let field = all.field(tuning);
         let question = PartsQuestion { measured, tolerance: options.tolerance };
@@ -64,7 +64,7 @@ impl Segmentation {
         let side_known = match estimated {
             Some(why) => {
                 let is_open = options.viewpoint.is_none();
-                let agreeing = is_open.then(|| agree(&mut partition, &mut all.cloud, coarse.distance));
+                let agreeing = is_open.then(|| agree(&mut partition, &mut all.cloud, coarse.distance, tuning));
                 told_side(why, agreeing.as_ref().unwrap_or(&all.cloud.normals), options.viewpoint, &mut notes)
             }
             None => side_known,
@@ -146,7 +146,7 @@ fn of_whole_or_cut<'a>(
     known: Option<(Partition, Field<'a>)>,
 ) -> (Partition, Field<'a>, Origin) {
     let whole = || {
-        let mut whole = whole::whole(field.cloud, measured, &field.coarse)?;
+        let mut whole = whole::whole(field, measured)?;
         whole.simplify(field);
         // facets of one body may be told as several of its size
         whole.join(field);
@@ -168,7 +168,7 @@ fn of_whole_or_cut<'a>(
     if has_doubt && whole::is_free(&cut, field) {
         return (Partition { parts: Vec::new(), labels: vec![NONE; field.cloud.len()] }, *field, Origin::Free);
     }
-    let length = |of: &Partition| of.description_length(field.cloud);
+    let length = |of: &Partition| of.description_length(field.cloud, field.tuning);
     // where every contact has a normal of its own, these tell as much as the places
     let has_normals = field.has_clear_normals();
     let tells_more = |whole: &Partition| {

@@ -42,7 +42,7 @@ pub(super) fn given_to_all<'a>(found: Partition, spread: &Cloud, field: &Field<'
     let labels = threads::map(field.cloud.len(), 256, label);
     let mut all = Partition { labels, parts: found.parts };
     let scatter = PartsScatter::common(field.coarse, field.along());
-    (0..SWEEPS).for_each(|_| all.relabel(field.cloud, &scatter));
+    (0..SWEEPS).for_each(|_| all.relabel(&field, &scatter));
     all.drop_small();
     let (all, _) = looked_again(all, &mut field, true);
     (all, field)
@@ -71,13 +71,12 @@ fn looked_again(mut found: Partition, field: &mut Field, on_sheets: bool) -> (Pa
 
 /// Parts whose edges and sizes follow each other until nothing changes.
 fn settled(mut partition: Partition, field: &Field) -> Partition {
-    let cloud = field.cloud;
     for round in 0..ROUNDS {
         let before = partition.labels.clone();
         partition.refit(field);
         let scatter =
             if round > 0 { partition.scatter(field) } else { PartsScatter::common(field.coarse, field.along()) };
-        (0..SWEEPS).for_each(|_| partition.relabel(cloud, &scatter));
+        (0..SWEEPS).for_each(|_| partition.relabel(field, &scatter));
         partition.drop_small();
         let joined = partition.join(field);
         if !joined && round > 1 && same(&before, &partition.labels) {

@@ -19,12 +19,11 @@ impl Partition {
     /// Fits parts at the noise that they themselves show, as long as that halves it. Until then they are fitted with what is let pass:
     /// normals that were estimated across an edge tilt exact planes. Whose a point beside an edge is, distances alone tell.
     pub(super) fn sharpen(&mut self, field: &Field) {
-        let cloud = field.cloud;
         for round in 0..ROUNDS {
             let members = self.members();
             let common = self.scatter(field).common.distance;
             let sharper = threads::map(self.parts.len(), 1, |part| {
-                let (inner, before) = (&self.inner(cloud, &members[part]), &self.parts[part]);
+                let (inner, before) = (&self.inner(field.cloud, &members[part], field.tuning), &self.parts[part]);
                 sharper(inner, before, field).or_else(|| of_sharper_kind((inner, before), field, common))
             });
             let is_sharp = sharper.iter().all(Option::is_none);
@@ -33,7 +32,7 @@ impl Partition {
             }
             self.replace(sharper);
             let scatter = self.scatter(field).of_distances();
-            (0..SWEEPS).for_each(|_| self.relabel(cloud, &scatter));
+            (0..SWEEPS).for_each(|_| self.relabel(field, &scatter));
         }
     }
 

@@ -9,7 +9,7 @@
 //!
 //! A departure from the primitive that neighbours share leaves r alone, so that the fit need not be good. What is no sheet is no part.
 
-use super::cloud::{Cloud, OPPOSITE};
+use super::cloud::Cloud;
 use super::local::{LocalShape, LocalShapes, Noise};
 use super::tuning::PartsTuning;
 use crate::primitives::placed::Primitive;
@@ -39,8 +39,8 @@ impl SheetLimit {
         (fewest, blurred): (usize, bool),
         tuning: &PartsTuning,
     ) -> SheetLimit {
-        let PartsTuning { loose, coherent, parallel, .. } = *tuning;
-        let facing = if blurred { OPPOSITE } else { parallel };
+        let PartsTuning { loose, coherent, parallel, back_to_back, .. } = *tuning;
+        let facing = if blurred { back_to_back } else { parallel };
         let distance = loose * common.distance.hypot(beside.distance);
         let noise = Noise { distance, normal: loose * common.normal.hypot(beside.normal) };
         let along = if blurred { 0.0 } else { loose * common.distance };

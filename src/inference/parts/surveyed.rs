@@ -16,16 +16,6 @@ use super::local::{LocalShapes, Noise, noise_by_width};
 use super::partition::Field;
 use super::tuning::PartsTuning;
 
-/// A share of the cloud's size (rms distance from its middle) that a departure must exceed to be a part. Scanners' errors that
-/// many neighbours share are as large; with a third of it, a pipe seen by a depth camera falls into a dozen parts.
-const UNSEEN: f64 = 0.003;
-/// The same in spacings: contacts do not resolve less.
-const UNRESOLVED: f64 = 0.1;
-/// Departures of normals that go with it, in degrees.
-const UNSEEN_DEG: f64 = 1.0;
-/// The same for normals that were estimated from positions: next to an edge they lie between those of both faces.
-const BLURRED_DEG: f64 = 15.0;
-
 /// What is let pass, by the spacing of all contacts.
 pub(super) struct LetPass {
     pub(super) noise: Noise,
@@ -36,11 +26,11 @@ pub(super) struct LetPass {
 }
 
 impl LetPass {
-    pub(super) fn new(cloud: &Cloud, tolerance: Option<f64>, estimated: bool) -> LetPass {
-        let unresolved = UNRESOLVED * cloud.spacing;
-        let unseen = unresolved.max(UNSEEN);
+    pub(super) fn new(cloud: &Cloud, tolerance: Option<f64>, estimated: bool, tuning: &PartsTuning) -> LetPass {
+        let unresolved = tuning.unresolved * cloud.spacing;
+        let unseen = unresolved.max(tuning.unseen);
         let distance = tolerance.map_or(unseen, |t| t / cloud.scale);
-        let degrees = if estimated { BLURRED_DEG } else { UNSEEN_DEG * (distance / unseen).max(1.0) };
+        let degrees = if estimated { tuning.blurred_deg } else { tuning.unseen_deg * (distance / unseen).max(1.0) };
         LetPass { noise: Noise { distance, normal: degrees.to_radians() }, unresolved, estimated }
     }
 }
@@ -70,8 +60,8 @@ pub(super) struct Surveyed {
 
 impl Surveyed {
     pub(super) fn new(cloud: Cloud, pass: &LetPass, tuning: &PartsTuning) -> Surveyed {
-        let [narrow, wide] = noise_by_width(&cloud);
-        let shapes = LocalShapes::new(cloud.len(), wide);
+        let [narrow, wide] = noise_by_width(&cloud, tuning);
+        let shapes = LocalShapes::new(cloud.len(), wide, tuning);
         let least = Noise { distance: narrow.distance.min(wide.distance), normal: narrow.normal.min(wide.normal) };
         let LetPass { noise: let_pass, unresolved, estimated: blurred } = *pass;
         let turns_alike = !blurred && wide.normal > let_pass.normal.max(tuning.shared_turns * narrow.normal);
@@ -82,11 +72,11 @@ impl Surveyed {
         // neighbourhoods that are as wide hold contacts enough among those
         let wide = match &spread {
             Some(spread) => spread.wide.at_least_as(&noise),
-            None => wide_noise(&cloud, &shapes, &noise),
+            None => wide_noise(&cloud, &shapes, &noise, tuning),
         };
         let coarse = wide.hypot(&let_pass);
         let floor = if blurred { Noise { normal: coarse.normal, ..wide } } else { wide };
-        let cells = Cells::new(&cloud);
+        let cells = Cells::new(&cloud, tuning);
         let pass = let_pass;
         Surveyed { cloud, shapes, noise, floor, coarse, pass, unresolved, cells, shared, blurred, wide, spread }
     }
@@ -147,7 +137,7 @@ mod tests {
         let (points, normals) = touched(shared);
         let cloud = Cloud::new(&points, normals.clone()).unwrap();
         let tuning = PartsTuning::default();
-        let switch = Surveyed::new(cloud.clone(), &LetPass::new(&cloud, None, false), &tuning).shared;
+        let switch = Surveyed::new(cloud.clone(), &LetPass::new(&cloud, None, false, &tuning), &tuning).shared;
         let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
         let found = Parts::of(&contacts, &PartsOptions::default()).unwrap();
         (switch, found.parts.iter().map(|part| part.kind).collect())

@@ -84,6 +84,9 @@ pub struct PartsTuning {
     pub volume: f64,
     /// Contacts from which on that is asked.
     pub volume_from: usize,
+    /// Neighbours of a contact from which on their growth in number is asked, and one of how many contacts up to which it is: a neighbourhood
+    /// of an eighth is half as wide as the whole.
+    pub volume_neighbours: [usize; 2],
     /// Most of what tells of shared errors that the unknowns of a fit may take: a range of which they take more could be shape as well.
     pub shared_taken: f64,
     /// Scatter about one primitive over that about two, or about a richer one, beyond which it is not asked whether shared errors make the
@@ -105,6 +108,67 @@ pub struct PartsTuning {
     pub jet_serves: f64,
     /// Variance that orders which the surface lacks add there, over that of noise: a tenth of it lengthens u by a twentieth.
     pub jet_serves_misfit: f64,
+    /// Weight of a point from which on it is wholly on the side of the body that its neighbour's surface is of, which may then serve it: within
+    /// a quarter of the radius its distance takes less than a hundredth of it, and a normal that begins to turn away takes the rest.
+    pub jet_serves_weight: f64,
+    /// Components of a point's own bend against which those of the whole cloud count: they differ from place to place.
+    pub jet_belief: f64,
+    /// Share of the cloud's size (rms distance from its middle) that a departure must exceed to be a part. Scanners' errors that many
+    /// neighbours share are as large; with a third of it, a pipe seen by a depth camera falls into a dozen parts.
+    pub unseen: f64,
+    /// The same in spacings: contacts do not resolve less.
+    pub unresolved: f64,
+    /// Departures of normals that go with it, in degrees.
+    pub unseen_deg: f64,
+    /// The same for normals that were estimated from positions: next to an edge they lie between those of both faces.
+    pub blurred_deg: f64,
+    /// Cosine between the normals of two contacts near each other below which they are on no one sheet.
+    pub faces_away: f64,
+    /// Cosine between the normals of two neighbours below which they are on two walls, back to back: within 45 degrees of it. Normals of planes
+    /// through neighbours tell no more.
+    pub back_to_back: f64,
+    /// Share of places that are thought to lie within one part, where it is asked what a primitive leaves over in wide neighbourhoods.
+    pub wide_within: f64,
+    /// What a pair of neighbours costs that are of different parts, or of different classes where no primitive explains them. A contact with all
+    /// 8 neighbours on the other side changes sides unless it costs 6 more there, which noise does once in thirty.
+    pub agree: f64,
+    /// How often unknowns that mean nothing may seem to, where independent residuals are few.
+    pub by_chance: f64,
+    /// Independent contacts that a region of no kind has at least: as many as the parabola through neighbours has unknowns.
+    pub independent_of_region: f64,
+    /// Root mean square departure, in units of the cloud's size, from which on a primitive of the whole cloud is none.
+    pub whole_departs: f64,
+    /// Scatter about such a primitive over what neighbourhoods show, beyond which it is none of the contacts' own.
+    pub whole_loose: f64,
+    /// Probability of a lack of fit below which the data reject a primitive, or that half of the cloud's primitives are true. One true primitive
+    /// in a hundred is then rejected by chance.
+    pub rejected: f64,
+    /// Standard uncertainties within which a difference may be chance, an interval of 95 %. Half angles that are so near to zero are those of
+    /// cylinders, and curvatures those of planes. Where S or R of a rich field differs by more, one true primitive in twenty is doubted, and
+    /// its u is then two to three times that of the field.
+    pub clear_u: f64,
+    /// Length of the mean normal of a region below which it bends too far for one height field.
+    pub field_one_sided: f64,
+    /// Share of the relief that such a field may leave at contacts left out.
+    pub field_predicts: f64,
+    /// Fewest pairs of contacts that make a joint: a corner where parts meet in one point has fewer.
+    pub joint_pairs: usize,
+    /// Turn of the normals below which they are one smooth surface to a reader, in degrees: boundaries are known to half a spacing, which on a
+    /// body 12 spacings wide turns a normal by as much.
+    pub joint_smooth_deg: f64,
+    /// Distances between the two contacts of a pair within which its parts meet: an edge of 30 degrees lies so far from their middle.
+    pub joint_reach: f64,
+    /// Weight of the step from part to part beside their normals, where sides of parts are to agree. With 2 their mirror image in the plane
+    /// halfway along it is taken, which tells nothing where one contact lies at the edge and the other in its face; with twice as much an edge
+    /// of any angle tells.
+    pub step_weight: f64,
+    /// Probability of a primitive's class over that of the likeliest one from which on few touches do not contradict it. Touches that leave open
+    /// whether a ridge is a dome give both some half.
+    pub few_open: f64,
+    /// Share of R by which two fits of few exact contacts may differ: intervals of no width hold no other fit.
+    pub few_same: f64,
+    /// Length of the mean normal of few contacts beyond which they lie on one side of their part: half a ball has 0.5.
+    pub few_one_side: f64,
 }
 
 impl Default for PartsTuning {
@@ -138,6 +202,7 @@ impl Default for PartsTuning {
             one_spacings: 1.0,
             volume: 2.35,
             volume_from: 150,
+            volume_neighbours: [4, 8],
             shared_taken: 0.75,
             merged_scatter: 3.0,
             merged_ranges: [1.0, 2.0, 4.0, 8.0],
@@ -147,6 +212,31 @@ impl Default for PartsTuning {
             jet_asked: 1024,
             jet_serves: 0.25,
             jet_serves_misfit: 0.1,
+            jet_serves_weight: 0.9,
+            jet_belief: 10.0,
+            unseen: 0.003,
+            unresolved: 0.1,
+            unseen_deg: 1.0,
+            blurred_deg: 15.0,
+            faces_away: 0.2,
+            back_to_back: -0.7,
+            wide_within: 0.3,
+            agree: 0.7,
+            by_chance: 0.01,
+            independent_of_region: 6.0,
+            whole_departs: 0.02,
+            whole_loose: 3.0,
+            rejected: 0.01,
+            clear_u: 1.96,
+            field_one_sided: 0.6,
+            field_predicts: 0.5,
+            joint_pairs: 6,
+            joint_smooth_deg: 5.0,
+            joint_reach: 2.0,
+            step_weight: 4.0,
+            few_open: 0.5,
+            few_same: 1e-3,
+            few_one_side: 0.5,
         }
     }
 }

@@ -1,20 +1,19 @@
 //! Points that no primitive explains: connected regions of one class, by their own S and how sure it is.
 //!
 //! ```text
-//! cost(p, class) = ((S_p - S_class) / hypot(u(S_p), 1/8))^2 / 2 + AGREE (neighbours of another class)
+//! cost(p, class) = ((S_p - S_class) / hypot(u(S_p), 1/8))^2 / 2 + agree (neighbours of another class)
 //! classes: cup -1, rut -1/2, saddle 0, ridge 1/2, cap 1
 //! ```
 //!
-//! A class's own width is half a bin, so that a region whose S drifts across an edge is not cut by noise.
+//! Neighbours of different classes cost what neighbours in different primitives do. A class's own width is half a bin, so that a region
+//! whose S drifts across an edge is not cut by noise.
 
 use super::cloud::Cloud;
 use super::hypothesis::Walk;
 use super::local::{LocalShape, LocalShapes};
 use super::partition::{NONE, unlabelled};
 use super::sheet::SheetLimit;
-
-/// As between primitives.
-const AGREE: f64 = 0.7;
+use super::tuning::PartsTuning;
 
 /// Sweeps over all labels.
 const SWEEPS: usize = 8;
@@ -26,7 +25,7 @@ pub(super) fn label_leftover(
     shapes: &LocalShapes,
     labels: &mut [u32],
     first: u32,
-    limit: &SheetLimit,
+    (limit, tuning): (&SheetLimit, &PartsTuning),
 ) -> u32 {
     let left = unlabelled(labels);
     let shapes_left = shapes.of(cloud, &left);
@@ -50,7 +49,7 @@ pub(super) fn label_leftover(
             let linked = cloud.linked(i).iter().filter(|&&j| free[j as usize]);
             let others: Vec<u8> = linked.map(|&j| classes[j as usize]).collect();
             let differing = |class: u8| others.iter().filter(|other| **other != class).count() as f64;
-            least(&|class| data(shape, class) + AGREE * differing(class)).0
+            least(&|class| data(shape, class) + tuning.agree * differing(class)).0
         };
         let chosen: Vec<u8> = each().map(agreeing).collect();
         each().zip(chosen).for_each(|((i, _), class)| classes[i] = class);

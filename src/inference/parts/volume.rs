@@ -15,15 +15,12 @@ use palpate_numeric::vector::Vector;
 /// Contacts that are looked at, and of these places whose neighbours are counted.
 const LOOKED_AT: [usize; 2] = [4000, 300];
 
-/// Neighbours of a contact from which on their growth in number is asked, and one of how many contacts up to which it is: a neighbourhood of
-/// an eighth is half as wide as the whole.
-const NEIGHBOURS_FROM: usize = 4;
-const NEIGHBOURHOOD: usize = 8;
-
 /// The least power with which contacts grow in number around each of them, where that is more than on any surface.
 pub(super) fn filled(points: &[Vector], tuning: &PartsTuning) -> Option<f64> {
     let some: Vec<Vector> = points.iter().step_by(points.len().div_ceil(LOOKED_AT[0]).max(1)).copied().collect();
-    let most = some.len() / NEIGHBOURHOOD;
+    // none is no number of neighbours
+    let [from, one_of] = tuning.volume_neighbours.map(|count| count.max(1));
+    let most = some.len() / one_of;
     if some.len() < tuning.volume_from {
         return None;
     }
@@ -32,7 +29,7 @@ pub(super) fn filled(points: &[Vector], tuning: &PartsTuning) -> Option<f64> {
     // the contact itself is the first that is found
     let around: Vec<Vec<f64>> =
         some.iter().step_by(step).map(|p| tree.nearest(*p, most + 1).iter().map(|(d, _)| d.sqrt()).collect()).collect();
-    let scales = std::iter::successors(Some(NEIGHBOURS_FROM), |k| Some(2 * k)).take_while(|k| 2 * k <= most);
+    let scales = std::iter::successors(Some(from), |k| Some(2 * k)).take_while(|k| 2 * k <= most);
     let power = |k: usize| {
         let growth: f64 = around.iter().map(|r| (r[2 * k] / r[k]).ln()).sum();
         std::f64::consts::LN_2 * around.len() as f64 / growth

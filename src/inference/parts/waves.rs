@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! a part is told      share n > unknowns of its primitive        share = n_e / n of all parts together (`evidence.rs`)
-//! a region is told    share n > 6, the unknowns of the surface through neighbours
+//! a region is told    share n > independent_of_region, the unknowns of the surface through neighbours
 //! ```
 //!
 //! A depth camera errs alike over some hundred contacts, so that a wave of its errors holds one or two independent ones. Any ring or cone
@@ -10,9 +10,6 @@
 
 use super::cloud::FEWEST_POINTS;
 use super::partition::{Field, NONE, Partition, SWEEPS};
-
-/// Unknowns of a surface of no kind: the parabola through neighbours.
-const OF_PARABOLA: f64 = 6.0;
 
 impl Partition {
     /// Parts with fewer independent errors than their primitive has unknowns go. Their contacts are those of the parts beside them, or of
@@ -27,13 +24,13 @@ impl Partition {
         }
         self.keep(|part| told[part]);
         let scatter = self.scatter(field);
-        (0..SWEEPS).for_each(|_| self.relabel(field.cloud, &scatter));
+        (0..SWEEPS).for_each(|_| self.relabel(field, &scatter));
         self.refit(field);
     }
 
     /// Fewest contacts that tell a surface of no kind.
     pub(super) fn fewest_of_region(&self, field: &Field) -> usize {
-        FEWEST_POINTS.max((OF_PARABOLA / self.independent(field)).ceil() as usize)
+        FEWEST_POINTS.max((field.tuning.independent_of_region / self.independent(field)).ceil() as usize)
     }
 
     /// Share of the errors that are independent.
@@ -69,7 +66,7 @@ mod tests {
         let points: Vec<Vector> = (0..side * side).map(place).collect();
         let cloud = Cloud::new(&points, vec![[0.0, 0.0, 1.0]; points.len()]).unwrap();
         let tuning = PartsTuning::default();
-        let pass = LetPass::new(&cloud, None, false);
+        let pass = LetPass::new(&cloud, None, false, &tuning);
         let surveyed = Surveyed::new(cloud, &pass, &tuning);
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let plane = Primitive { kind: PartKind::Plane, origin: [0.0; 3], axes, sizes: [0.0; 3], side: 1.0 };

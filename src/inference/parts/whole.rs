@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! primitives by `bodies`, with the contacts within four sds      the answer, if no longer to tell than the cut cloud:
-//! length = sum over parts (n ln sd + sum min(d^2 / sd^2, CAP) / 2 + unknowns / 2 ln N) + AGREE (pairs of neighbours in different parts)
+//! length = sum over parts (n ln sd + sum min(d^2 / sd^2, CAP) / 2 + unknowns / 2 ln N) + agree (pairs of neighbours in different parts)
 //!          sd by the median; contacts of no part 0, lengths in units of the cloud's size
 //!          where every contact has a normal of its own, which of the two tells more is asked as in `coarser_look.rs`
 //! primitives by `bodies` that hold nearly all                    the answer where neighbours share errors
@@ -19,8 +19,7 @@ use super::evidence::Residuals;
 use super::free_form::predicted;
 use super::hypothesis::{CAP, sampled};
 use super::joints::joints;
-use super::local::Noise;
-use super::partition::{AGREE, Field, NONE, Partition, simplest};
+use super::partition::{Field, NONE, Partition, simplest};
 use super::tuning::PartsTuning;
 use crate::bodies::{self, BodySample, Thing, Tuning, Verdict};
 use crate::primitives::descent::Sample;
@@ -30,12 +29,6 @@ use palpate_numeric::vector::{Vector, dot};
 
 /// Contacts that are looked at.
 const LOOKED_AT: usize = 1000;
-
-/// Root mean square departure, in units of the cloud, beyond which the primitive is none.
-const DEPARTS: f64 = 0.02;
-
-/// Scatter about a primitive over what neighbourhoods show, beyond which it is none of the contacts' own.
-const LOOSE: f64 = 3.0;
 
 /// Distance, in units of the cloud, below which none is told from another: its numbers are rounded.
 const ROUNDED: f64 = 1e-9;
@@ -63,7 +56,8 @@ impl Partition {
     fn is_smooth(&self, field: &Field) -> bool {
         let beside = |part: u32, _, place| self.parts[part as usize].nearest(place);
         let most = (std::f64::consts::SQRT_2 * field.coarse.normal).to_degrees();
-        let joints = joints(field.cloud, &self.labels, LOOSE * field.coarse.distance, beside);
+        let gap = field.tuning.whole_loose * field.coarse.distance;
+        let joints = joints(field.cloud, &self.labels, gap, field.tuning, beside);
         joints.len() + 1 >= self.parts.len() && joints.iter().all(|found| found.joint.angle_deg < most)
     }
 
@@ -79,7 +73,7 @@ impl Partition {
     }
 
     /// How long it is to tell, in natural units of information.
-    pub(super) fn description_length(&self, cloud: &Cloud) -> f64 {
+    pub(super) fn description_length(&self, cloud: &Cloud, tuning: &PartsTuning) -> f64 {
         let mut off = vec![Vec::new(); self.parts.len()];
         for (place, label) in cloud.points.iter().zip(&self.labels).filter(|(_, label)| **label != NONE) {
             let part = *label as usize;
@@ -94,13 +88,15 @@ impl Partition {
         let pairs = (0..cloud.len()).flat_map(|i| cloud.linked(i).iter().map(move |j| (i, *j as usize)));
         // nearly all links are from both sides, and a pair is one boundary
         let edges = 0.5 * pairs.filter(|(i, j)| self.labels[*i] != self.labels[*j]).count() as f64;
-        self.parts.iter().zip(&off).map(of_part).sum::<f64>() + AGREE * edges
+        self.parts.iter().zip(&off).map(of_part).sum::<f64>() + tuning.agree * edges
     }
 }
 
 /// A partition of a few parts, which may hold few of the contacts; `None` where no primitive is near. `measured` says whether the
-/// normals are, and `noise` what neighbourhoods show, with what is let pass.
-pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Partition> {
+/// normals are.
+pub(super) fn whole(field: &Field, measured: bool) -> Option<Partition> {
+    let cloud = field.cloud;
+    let PartsTuning { whole_departs, whole_loose, .. } = *field.tuning;
     let normals: &[Vector] = if measured { &cloud.normals } else { &[] };
     let sample = BodySample::new(&cloud.points, normals, cloud.rounding)?;
     // normals of a scan are computed from its places
@@ -108,7 +104,7 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
     let mut things: Vec<Thing> = match bodies::infer_primitives(&sample.at_most(LOOKED_AT), &tuning) {
         Verdict::One(posterior) => {
             let kind = posterior.kind();
-            let node = posterior.best_of(kind).filter(|node| node.departure_size() < DEPARTS)?;
+            let node = posterior.best_of(kind).filter(|node| node.departure_size() < whole_departs)?;
             let (primitive, scatter) = (posterior.likeliest(kind)?, node.scatter().hypot(node.departure_size()));
             vec![Thing { primitive, contacts: posterior.members_of(kind).len(), scatter }]
         }
@@ -118,7 +114,7 @@ pub(super) fn whole(cloud: &Cloud, measured: bool, noise: &Noise) -> Option<Part
     // of many things a ring follows what lies between the others, and other contacts give others
     let are_many = things.len() > 2;
     let follows_any = |kind: PartKind| kind == PartKind::Ellipsoid || are_many && kind == PartKind::Torus;
-    things.retain(|thing| !follows_any(thing.primitive.kind) && thing.scatter <= LOOSE * noise.distance);
+    things.retain(|thing| !follows_any(thing.primitive.kind) && thing.scatter <= whole_loose * field.coarse.distance);
     let reached: Vec<Vec<u32>> = sample.points.iter().map(|p| within_reach(*p, &things, tuning.belongs)).collect();
     let mut labels: Vec<u32> = (0..cloud.len()).map(|i| label(i, &reached, &things, cloud, measured)).collect();
     let things = with_contacts(things, &mut labels);
@@ -156,7 +152,7 @@ pub(super) fn is_free(cut: &Partition, field: &Field) -> bool {
     let held = (0..cloud.len()).filter(|i| cut.labels[*i] != NONE);
     let off = |i: usize| cut.parts[cut.labels[i] as usize].nearest(cloud.points[i]).0;
     let (squares, count) = held.fold((0.0, 0.0), |(sum, count), i| (sum + off(i).powi(2), count + 1.0));
-    predicted(cloud, LOOKED_AT).is_some_and(|error| error * error * count < squares)
+    predicted(cloud, LOOKED_AT, field.tuning).is_some_and(|error| error * error * count < squares)
 }
 
 /// Numbers of the things that a place is near enough to, the nearest first.

@@ -156,14 +156,14 @@ fn recognise_patch(
     let mut patch = start::Patch::new(given, options)?;
     let nearest = patch.nearest();
     let errors = noise::PlaceErrors::of(&patch, &nearest, options.sigma_xy, tuning);
-    let mut cells = noise::weighed(patch.cells(tuning), &patch, &errors);
+    let mut cells = noise::weighed(patch.cells(tuning), &patch, &errors, tuning);
     let doubt_of_places = noise::set_back(&mut cells, &mut patch.points, &patch.feet, (&errors, &patch.frame));
     let models = patch.fitted(&cells, tuning);
-    let relief = start::relief(&cells, &models);
+    let relief = start::relief(&cells, &models, tuning);
     let distances = noise::distances_between(&cells);
     let limit = noise::Limit::new(&nearest, &patch.distances, relief, tuning);
     let factors = evidence::FactorPair::new(&cells, &distances);
-    let plain = Linearised::new(&cells, &patch.points, models, &factors);
+    let plain = Linearised::new(&cells, &patch.points, models, &factors, tuning);
     let misfit = |models: &[Model], kind: Kind| {
         let distance = |m: &Model| start::weighted_rms(&cells, m);
         models.iter().find(|m| m.kind() == kind).map_or(f64::INFINITY, distance)

@@ -276,7 +276,8 @@ fn a_moved_surface_without_a_chart_leaves_the_first_look() {
     let cells = patch.cells(&options.tuning);
     let distances = noise::distances_between(&cells);
     let factors = FactorPair::new(&cells, &distances);
-    let plain = Linearised::new(&cells, &patch.points, patch.fitted(&cells, &options.tuning), &factors);
+    let tuning = &options.tuning;
+    let plain = Linearised::new(&cells, &patch.points, patch.fitted(&cells, tuning), &factors, tuning);
     let moved = |k: f64| {
         let base = ConstantCurvature::new([0.0, 0.0, 0.0, k, k, 0.0]);
         let moved = Moved {
@@ -384,9 +385,9 @@ fn smooth_surfaces_are_told_from_creased_ones() {
         let cells = patch.cells(tuning);
         let models = patch.fitted(&cells, tuning);
         let distances = noise::distances_between(&cells);
-        let limit = Limit::new(&patch.nearest(), &patch.distances, relief(&cells, &models), tuning);
+        let limit = Limit::new(&patch.nearest(), &patch.distances, relief(&cells, &models, tuning), tuning);
         let factors = FactorPair::new(&cells, &distances);
-        let plain = Linearised::new(&cells, &patch.points, models, &factors);
+        let plain = Linearised::new(&cells, &patch.points, models, &factors, tuning);
         let at = SearchContext { cells: &cells, contacts: &patch.points, factors: &factors, limit, tuning };
         let (_, nodes) = Evidence::begun(at, &plain, Look::First).finished();
         let best = |smooth: bool| {

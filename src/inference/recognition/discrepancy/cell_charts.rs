@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn slopes_of_cells_are_means_over_their_contacts() {
         let knots = [0, 1].map(|_| Knots::uniform(WIDTH - 1, 5, -KNOTS, KNOTS).unwrap());
-        let columns = polynomial_prior::columns(&knots, &surface());
+        let columns = polynomial_prior::columns(&knots, &surface(), 2.0);
         let (means, charts) = (means(), charts());
         let found = means.slopes(&knots, &columns);
         let size = |j: usize| 2.0 * polynomial_prior::size(&surface(), polynomial_prior::TERMS[j]);

@@ -84,13 +84,13 @@ pub(crate) struct Quadratic {
 impl Displacement {
     /// The displacement over the cells of a general surface, where the data and the chart allow one.
     /// `contacts` are all of them: their outline lies beyond that of the cells, and the displacement reaches it. Bodies are linear about
-    /// these `forms`.
+    /// these `forms`, and natural departures have a prior of so many natural sizes.
     pub(crate) fn new(
         surface: &ConstantCurvature,
         cells: &Cells,
         contacts: &[Vector],
         forms: &Forms,
-        resolution: DepartureResolution,
+        (resolution, natural_sizes): (DepartureResolution, f64),
     ) -> Option<Displacement> {
         let charts: Vec<[f64; 2]> = cells.points.iter().map(|p| surface.chart(*p)).collect();
         if charts.len() < FEWEST_CELLS || charts.iter().any(|c| surface.form().width(c[0]).abs() < POLE) {
@@ -111,7 +111,7 @@ impl Displacement {
         let size = (square_sum(&positions) / charts.len() as f64).sqrt();
         scale(&mut rough, 1.0 / size);
         scale(&mut positions, -1.0 / size);
-        let natural = polynomial_prior::columns(&knots, surface);
+        let natural = polynomial_prior::columns(&knots, surface, natural_sizes);
         let mut natural_positions = at_cells(&natural);
         scale(&mut natural_positions, -1.0);
         let mut made = Displacement {

@@ -1,7 +1,7 @@
 //! How far a surface naturally departs from two constant curvatures: by its third and fourth derivatives.
 //!
 //! ```text
-//! f(u, v) = sum_(a+b = 3, 4) z_ab s_ab u^a v^b / (a! b!)          z ~ N(0, 2^2), nine of them
+//! f(u, v) = sum_(a+b = 3, 4) z_ab s_ab u^a v^b / (a! b!)          z ~ N(0, natural_departure^2), nine of them
 //! s_ab = R^2 / sqrt(binom(3, a))                                  third degree
 //! s_ab = 3 R^3 / sqrt(binom(4, a))                                fourth degree
 //! ```
@@ -12,7 +12,7 @@
 //! or two per cent where it is too small to show in the residuals of few contacts. An interval that takes the curvatures for
 //! constant then misses the truth. The binomials make the prior the same in every direction. Forms that are less round depart by
 //! more: the flat end of an ellipsoid whose half axes are a and c has (a/c)^2 times a sphere's fourth derivative. The prior
-//! of the interval is therefore twice as wide as that size.
+//! of the interval is therefore `Tuning::natural_departure` times as wide as that size.
 
 use faer::Mat;
 use statrs::function::factorial::factorial;
@@ -26,15 +26,11 @@ const DEGREE: usize = 4;
 /// Fourth derivative of a sphere, in units of R^3.
 const FOURTH: f64 = 3.0;
 
-/// Standard deviation of a departure in natural sizes. With 1, intervals of R miss an ellipsoid of half axes 16, 12 and 9 in
-/// 9 to 20 of 100 fits; with 2 in 5 or 6, and intervals of tori are up to a fifth wider; 4 gains nothing.
-const SPREAD: f64 = 2.0;
-
 /// Powers of u and v.
 pub(crate) const TERMS: [[usize; 2]; 9] = [[3, 0], [2, 1], [1, 2], [0, 3], [4, 0], [3, 1], [2, 2], [1, 3], [0, 4]];
 
-/// Spline coefficients of the nine departures, each with its prior standard deviation, about the middle of the chart.
-pub(crate) fn columns(knots: &[Knots; 2], surface: &ConstantCurvature) -> Mat<f64> {
+/// Spline coefficients of the nine departures about the middle of the chart, each with its prior standard deviation of so many natural sizes.
+pub(crate) fn columns(knots: &[Knots; 2], surface: &ConstantCurvature, sizes: f64) -> Mat<f64> {
     let powers = knots.each_ref().map(|knots| {
         let t = knots.as_slice();
         let middle = 0.5 * (t[0] + t[t.len() - 1]);
@@ -44,7 +40,7 @@ pub(crate) fn columns(knots: &[Knots; 2], surface: &ConstantCurvature) -> Mat<f6
     let across = knots[1].n_basis();
     Mat::from_fn(knots[0].n_basis() * across, TERMS.len(), |row, j| {
         let [a, b] = TERMS[j];
-        SPREAD * size(surface, [a, b]) * powers[0][row / across][a] * powers[1][row % across][b]
+        sizes * size(surface, [a, b]) * powers[0][row / across][a] * powers[1][row % across][b]
     })
 }
 
@@ -77,7 +73,7 @@ mod tests {
         let knots = [Knots::uniform(DEGREE, 5, -1.0, 1.4).unwrap(), Knots::uniform(DEGREE, 5, -0.8, 0.8).unwrap()];
         let surface = ConstantCurvature::new([0.0, 0.0, 0.0, 0.5, -0.3, 0.0]);
         let r = (0.5 * (0.25 + 0.09_f64)).sqrt();
-        let found = columns(&knots, &surface);
+        let found = columns(&knots, &surface, 2.0);
         let (u, v) = (0.9, -0.35);
         let value = |j: usize| {
             let mut values = [[0.0; DEGREE + 1]; 2];

@@ -49,6 +49,8 @@ pub(crate) struct Linearised {
     pub(super) displacement: Option<Displacement>,
     /// How finely it may vary.
     pub(super) resolution: DepartureResolution,
+    /// Prior standard deviation of natural departures, in natural sizes.
+    pub(super) natural_sizes: f64,
     pub(crate) rows: Rows,
     pub(crate) normal_noise: Option<NormalNoise>,
     /// Gram matrix of the whitened normal rows.
@@ -63,15 +65,22 @@ pub(crate) struct Linearised {
 
 impl Linearised {
     /// Equations about these models.
-    pub(crate) fn new(cells: &Cells, contacts: &[Vector], models: Vec<Model>, factors: &FactorPair) -> Linearised {
-        let resolution = DepartureResolution::default();
-        let displacement = displacement_of(&models, cells, contacts, &Forms::default(), resolution);
+    pub(crate) fn new(
+        cells: &Cells,
+        contacts: &[Vector],
+        models: Vec<Model>,
+        factors: &FactorPair,
+        tuning: &Tuning,
+    ) -> Linearised {
+        let (resolution, natural_sizes) = (DepartureResolution::default(), tuning.natural_departure);
+        let displacement = displacement_of(&models, cells, contacts, &Forms::default(), (resolution, natural_sizes));
         let rows = Rows::new(cells, &models, displacement.as_ref());
         let noise = NormalNoise::find(&rows, factors.normals(), 0.0);
         let mut made = Linearised {
             models,
             displacement,
             resolution,
+            natural_sizes,
             rows,
             normal_noise: None,
             normals: None,
@@ -173,7 +182,8 @@ impl Linearised {
         factors: &FactorPair,
     ) -> Option<Linearised> {
         let models = self.models_with(moved);
-        let displacement = displacement_of(&models, cells, contacts, &moved.forms, self.resolution)?;
+        let prior = (self.resolution, self.natural_sizes);
+        let displacement = displacement_of(&models, cells, contacts, &moved.forms, prior)?;
         let mut rows = Rows::new(cells, &models, Some(&displacement));
         moved.average(&mut rows, cells, contacts);
         moved.lengthen(&mut rows, cells);
@@ -186,6 +196,7 @@ impl Linearised {
             models,
             displacement,
             resolution: self.resolution,
+            natural_sizes: self.natural_sizes,
             rows,
             normal_noise: None,
             normals: None,
@@ -217,10 +228,10 @@ fn displacement_of(
     cells: &Cells,
     contacts: &[Vector],
     forms: &Forms,
-    resolution: DepartureResolution,
+    prior: (DepartureResolution, f64),
 ) -> Option<Displacement> {
     match models.iter().find(|m| m.kind() == Kind::General) {
-        Some(Model::Constant(_, surface)) => Displacement::new(surface, cells, contacts, forms, resolution),
+        Some(Model::Constant(_, surface)) => Displacement::new(surface, cells, contacts, forms, prior),
         _ => None,
     }
 }

@@ -17,9 +17,6 @@ use palpate_numeric::statistics::mad;
 /// Ratios of the variances.
 const RATIOS: [f64; 8] = [0.0, 1.0 / 16.0, 0.25, 1.0, 4.0, 16.0, 64.0, 256.0];
 
-/// Least relative variance of a pair: a few contacts on walls must not decide alone.
-const LEAST_VARIANCE: f64 = 0.1;
-
 /// Variances of one contact's place, in units of the patch's size.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaceErrors {
@@ -71,7 +68,7 @@ fn by_evidence(pairs: &[(f64, f64)], tuning: &Tuning) -> PlaceErrors {
     let n = pairs.len() as f64;
     let of = |ratio: f64| {
         let relative = |slope: f64| 1.0 - slope + ratio * slope;
-        let kept = || pairs.iter().map(|(q, slope)| (q, relative(*slope).max(LEAST_VARIANCE)));
+        let kept = || pairs.iter().map(|(q, slope)| (q, relative(*slope).max(tuning.least_variance)));
         let variance = kept().map(|(q, v)| q / v).sum::<f64>() / n;
         let log = -0.5 * (kept().map(|(_, v)| v.ln()).sum::<f64>() + n * variance.max(1e-30).ln());
         let prior = if ratio == 0.0 || ratio == 1.0 { 1.0 } else { tuning.other_ratio * ratio.max(1.0).powi(-2) };

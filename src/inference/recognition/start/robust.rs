@@ -26,9 +26,6 @@ use super::outlier_reinstatement::take_back;
 
 use palpate_numeric::vector::Vector;
 
-/// Cosine above which a normal has a slope that tells of a height quadric.
-const UPRIGHT: f64 = 0.3;
-
 /// Largest number of contacts that the start looks at. More would move it by less than the later steps correct.
 const SAMPLE: usize = 3000;
 
@@ -97,7 +94,7 @@ impl Fits {
     fn of(points: &[Vector], normals: Option<&[Vector]>, floors: &Floors, tuning: &Tuning) -> Fits {
         let directions = normals.map(|normals| Directions::new(normals, floors.normal, tuning));
         let fitted = |kind, theta| robust(points, directions.clone(), kind, theta, floors.position);
-        let [sphere, cylinder, along, across] = quadric_starts(quadric(points, normals, tuning.place_over_normal));
+        let [sphere, cylinder, along, across] = quadric_starts(quadric(points, normals, tuning));
         let sphere = fitted(Kind::Sphere, sphere).model;
         let cylinder = fitted(Kind::Cylinder, cylinder).model;
         let mut best: Option<Fitted> = None;
@@ -131,7 +128,7 @@ fn told_by_normals(
     let off = |model: &Model| median(directions.errors(model, points)).unwrap_or(0.0);
     let of_alone = off(&alone.general.model);
     // a look at a height quadric is cheap, and most contacts need no more
-    let [z0, gx, gy, a, b, c] = quadric(points, Some(normals), of_normal);
+    let [z0, gx, gy, a, b, c] = quadric(points, Some(normals), tuning);
     if of_alone < leaning || of_alone < contradicted * off(&Model::new(Kind::Paraboloid, [z0, gx, gy, a, c, b])) {
         return None;
     }
@@ -156,8 +153,9 @@ fn quadric_starts([z0, gx, gy, a, b, c]: [f64; 6]) -> [[f64; 6]; 4] {
 }
 
 /// Coefficients z0, gx, gy, A, B, C of the height quadric, by slopes, too, where there are normals; the last ones are 0 where the
-/// contacts cannot tell them. Normals err by a radian where positions err by `of_normal`.
-fn quadric(points: &[Vector], normals: Option<&[Vector]>, of_normal: f64) -> [f64; 6] {
+/// contacts cannot tell them.
+fn quadric(points: &[Vector], normals: Option<&[Vector]>, tuning: &Tuning) -> [f64; 6] {
+    let Tuning { place_over_normal: of_normal, start_upright, .. } = *tuning;
     let mut normal = [[0.0; 6]; 6];
     let mut rhs = [0.0; 6];
     let mut add = |row: [f64; 6], value: f64, weight: f64| {
@@ -168,7 +166,7 @@ fn quadric(points: &[Vector], normals: Option<&[Vector]>, of_normal: f64) -> [f6
     };
     for (i, &[x, y, z]) in points.iter().enumerate() {
         add([1.0, x, y, 0.5 * x * x, x * y, 0.5 * y * y], z, 1.0);
-        if let Some([nx, ny, nz]) = normals.map(|n| n[i]).filter(|n| n[2] > UPRIGHT) {
+        if let Some([nx, ny, nz]) = normals.map(|n| n[i]).filter(|n| n[2] > start_upright) {
             let weight = of_normal * of_normal;
             add([0.0, 1.0, 0.0, x, y, 0.0], -nx / nz, weight);
             add([0.0, 0.0, 1.0, 0.0, x, y], -ny / nz, weight);

@@ -136,7 +136,8 @@ impl BodyAnswer<'_> {
         let Some(likeliest) = self.posterior.likeliest(self.kind()) else { return Ok(()) };
         let pair = |i: &usize| Some((self.sample.normal(*i)?, likeliest.nearest(self.sample.points[*i]).1));
         let pairs: Vec<(Vector, Vector)> = self.posterior.members_of(self.kind()).iter().filter_map(pair).collect();
-        agreeing_order(&pairs).map_or(Ok(()), |order| Err(RecognitionError::NormalsExchanged { order }))
+        let order = agreeing_order(&pairs, &self.options.tuning);
+        order.map_or(Ok(()), |order| Err(RecognitionError::NormalsExchanged { order }))
     }
 
     /// The whole answer, if its axes are those of the normals.

@@ -71,7 +71,7 @@ pub(super) fn instead(
             Ok(found) if doubt == PatchDoubt::Kind && is_as_good(&found, &sample, &things, &options.tuning) => {
                 Ok(found)
             }
-            _ => Err(match agreeing_order_by_neighbours(&sample) {
+            _ => Err(match agreeing_order_by_neighbours(&sample, &options.tuning) {
                 Some(order) => RecognitionError::NormalsExchanged { order },
                 None => several(&sample, &things),
             }),
