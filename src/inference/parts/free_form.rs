@@ -45,9 +45,9 @@ const RICH_CONTACTS: usize = 3000;
 /// The spline through these members; `None` where no height field follows them.
 pub(super) fn free_form(cloud: &Cloud, members: &[u32], tuning: &PartsTuning) -> Option<FreeForm> {
     let (contacts, axes) = one_sided(cloud, members, usize::MAX, tuning)?;
-    let options = FitOptions::default();
-    let fit = match flexible(&contacts, axes, &options, &Tuning::default()) {
-        Some(field) => field.ok().filter(|field| field.error < tuning.field_predicts * field.relief)?.fit,
+    let (options, of_field) = (FitOptions::default(), Tuning::default());
+    let fit = match flexible(&contacts, axes, &options, &of_field) {
+        Some(field) => field.ok().filter(|field| field.error < of_field.field_predicts * field.relief)?.fit,
         None => fit_contacts_over(&contacts, axes, &options).ok()?,
     };
     described(&fit)
@@ -57,8 +57,9 @@ pub(super) fn free_form(cloud: &Cloud, members: &[u32], tuning: &PartsTuning) ->
 pub(super) fn predicted(cloud: &Cloud, most: usize, tuning: &PartsTuning) -> Option<f64> {
     let all: Vec<u32> = (0..cloud.len() as u32).collect();
     let (contacts, axes) = one_sided(cloud, &all, most, tuning)?;
-    let field = FieldChoice::of(&contacts, axes, &FitOptions::default(), &Tuning::default())?;
-    (field.error < tuning.field_predicts * field.relief).then_some(field.error)
+    let of_field = Tuning::default();
+    let field = FieldChoice::of(&contacts, axes, &FitOptions::default(), &of_field)?;
+    (field.error < of_field.field_predicts * field.relief).then_some(field.error)
 }
 
 /// A field that leaves S and R open, for doubt about a primitive; `None` where no height field follows the members.

@@ -271,6 +271,7 @@ fn multiplicity(a: usize, b: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::parts::jet_neighbourhood::Touched;
+    use crate::parts::tuning::PartsTuning;
     use palpate_geometry::neighbours::Neighbours;
 
     /// Coefficients of `x^a y^b / (a! b!)` beside the plane.
@@ -300,7 +301,8 @@ mod tests {
         let tree = Neighbours::new(&points);
         let touched = Touched { points: &points, normals: &normals, tree: &tree, measured: true };
         let near = Neighbourhood::of(&touched, 112, 150).unwrap();
-        let law = Law { size: 150, noise: Noise { distance: noise, normal: noise }, bend: [1.0; 2], belief: 10.0 };
+        let belief = PartsTuning::default().jet_belief;
+        let law = Law { size: 150, noise: Noise { distance: noise, normal: noise }, bend: [1.0; 2], belief };
         (near.jet(&law).unwrap(), near.length)
     }
 

@@ -149,8 +149,6 @@ pub struct PartsTuning {
     pub clear_u: f64,
     /// Length of the mean normal of a region below which it bends too far for one height field.
     pub field_one_sided: f64,
-    /// Share of the relief that such a field may leave at contacts left out.
-    pub field_predicts: f64,
     /// Fewest pairs of contacts that make a joint: a corner where parts meet in one point has fewer.
     pub joint_pairs: usize,
     /// Turn of the normals below which they are one smooth surface to a reader, in degrees: boundaries are known to half a spacing, which on a
@@ -229,7 +227,6 @@ impl Default for PartsTuning {
             rejected: 0.01,
             clear_u: 1.96,
             field_one_sided: 0.6,
-            field_predicts: 0.5,
             joint_pairs: 6,
             joint_smooth_deg: 5.0,
             joint_reach: 2.0,
