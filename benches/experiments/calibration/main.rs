@@ -2,6 +2,7 @@
 //!
 //!     cargo bench --bench calibration                           2,000 bodies of every kind
 //!     cargo bench --bench calibration -- --bodies 100 --only cone --seed 5
+//!     cargo bench --bench calibration -- --parts 0.3,0.2,0.12   the same of small parts, shares of the way round
 //!     cargo bench --bench calibration -- --cells 200            coverage by kind, part, contacts and noise: so many fits a cell
 //!     cargo bench --bench calibration -- --tuning 120           what each setting of `Tuning` moves, on so many bodies
 //!
@@ -26,6 +27,8 @@ pub(crate) struct Wishes {
     tuning: Option<u64>,
     seed: u64,
     only: Vec<String>,
+    /// Shares of the way round of which bodies are touched for the ranks.
+    parts: Vec<f64>,
 }
 
 impl Wishes {
@@ -46,7 +49,8 @@ fn main() -> Result<(), String> {
 }
 
 fn wishes() -> Result<Wishes, String> {
-    let mut wishes = Wishes { bodies: 2000, cells: None, tuning: None, seed: 71_300_001, only: Vec::new() };
+    let parts = vec![1.0, 0.5, 0.3];
+    let mut wishes = Wishes { bodies: 2000, cells: None, tuning: None, seed: 71_300_001, only: Vec::new(), parts };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         // cargo adds it for every bench
@@ -60,8 +64,13 @@ fn wishes() -> Result<Wishes, String> {
             "--cells" => wishes.cells = Some(number()?),
             "--tuning" => wishes.tuning = Some(number()?),
             "--seed" => wishes.seed = number()?,
+            "--parts" => {
+                let each =
+                    value.split(',').map(|part| part.parse::<f64>().map_err(|error| format!("{word} {part}: {error}")));
+                wishes.parts = each.collect::<Result<Vec<f64>, String>>()?;
+            }
             "--only" => wishes.only.push(value.clone()),
-            _ => return Err(format!("{word} is not known: --bodies, --cells, --tuning, --seed, --only")),
+            _ => return Err(format!("{word} is not known: --bodies, --cells, --tuning, --seed, --parts, --only")),
         }
     }
     Ok(wishes)

@@ -66,11 +66,11 @@ pub(crate) fn recognised(contacts: &Contacts, level: f64) -> Option<Recognition>
 }
 
 /// A cell of the kind, drawn from the laboratory's prior by a number.
-fn cell(kind: BodyKind, number: u64) -> TouchedBody {
+fn cell(kind: BodyKind, number: u64, parts: &[f64]) -> TouchedBody {
     let pick = |count: u64, by: u64| (number / by % count) as usize;
     TouchedBody {
         kind,
-        part: [1.0, 0.5, 0.3][pick(3, 1)],
+        part: parts[pick(parts.len() as u64, 1)],
         count: [12, 20, 36, 60, 120][pick(5, 3)],
         has_normals: pick(2, 15) == 0,
         noise: [0.002, 0.01, 0.03][pick(3, 30)],
@@ -131,7 +131,7 @@ pub(crate) fn print(wishes: &Wishes) {
     for kind in wishes.kinds() {
         let mut judged = Judged::default();
         for number in 0..wishes.bodies {
-            let body = RandomBody::new(&cell(kind, number), wishes.seed + number);
+            let body = RandomBody::new(&cell(kind, number, &wishes.parts), wishes.seed + number);
             judged.judge(&body, kind, &mut forecasts);
         }
         let said = judged.said.iter().map(|(name, [all, sure])| format!("{name} {all} ({sure} above 95 %)"));

@@ -97,6 +97,24 @@ impl BodyPosterior {
         own.map(|(_, w)| w).sum()
     }
 
+    /// Probability of one kind without a departure.
+    pub(crate) fn weight_of_plain(&self, kind: PartKind) -> f64 {
+        let is_own = |node: &BodyHypothesis| self.primitives[node.of].kind == kind && node.length().is_none();
+        self.nodes.iter().zip(&self.weights).filter(|(node, _)| is_own(node)).map(|(_, w)| w).sum()
+    }
+
+    /// The same hypotheses, those of each kind times a factor; `None` where all have none left.
+    pub(crate) fn times(&self, factor: impl Fn(PartKind) -> f64) -> Option<BodyPosterior> {
+        let each = self.nodes.iter().zip(&self.weights);
+        let mut weights: Vec<f64> = each.map(|(node, w)| w * factor(self.primitives[node.of].kind)).collect();
+        let all: f64 = weights.iter().sum();
+        if !(all.is_finite() && all > 0.0) {
+            return None;
+        }
+        weights.iter_mut().for_each(|w| *w /= all);
+        Some(BodyPosterior { weights, ..self.clone() })
+    }
+
     /// Share of the contacts that are none of the likeliest kind's.
     pub(super) fn false_share(&self, sample: &BodySample) -> f64 {
         1.0 - self.members_of(self.kind()).len() as f64 / sample.len() as f64

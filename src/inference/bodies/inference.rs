@@ -45,6 +45,12 @@ pub(crate) fn infer_primitives(all: &BodySample, tuning: &Tuning) -> Verdict {
     infer_beside(all, tuning, |_, _, _| None)
 }
 
+/// The posterior of primitives about one thing, whether or not they come near the contacts.
+pub(crate) fn posterior_of_primitives(all: &BodySample, tuning: &Tuning) -> Option<BodyPosterior> {
+    let sample = &all.at_most(tuning.most_contacts);
+    posterior(&ModeSearch::new(tuning).modes(sample), sample, tuning)
+}
+
 fn infer_beside(
     all: &BodySample,
     tuning: &Tuning,

@@ -158,6 +158,9 @@ pub struct Tuning {
     pub decisive: f64,
     /// Probability that the kind of a body has at least where there are too few contacts for a patch.
     pub sure_of_few: f64,
+    /// Probability of a patch's kind from which on primitives in space are not asked beside it: they cost more than the patch itself, and one in
+    /// 500 is less than a forecast is told to.
+    pub sure_of_patch: f64,
     /// Contacts from which on two peaks of their distances are looked for.
     pub peaks_from: usize,
     /// Spread across a line over that along it, above which places are no line whatever they err by.
@@ -496,6 +499,7 @@ impl Default for Tuning {
             farther_round: 0.2,
             decisive: 0.1,
             sure_of_few: 0.8,
+            sure_of_patch: 0.998,
             peaks_from: 12,
             narrow: 0.2,
             line_errors: 3.0,

@@ -17,7 +17,6 @@ use super::cloud::DIGITS;
 use super::evidence::{Cells, Residuals};
 use super::partition::{Field, NONE, Partition};
 use super::scatter::lie_off_together;
-use crate::bodies::Tuning;
 use palpate_numeric::statistics::mad;
 
 impl Partition {
@@ -59,7 +58,7 @@ impl Partition {
             let next = cloud.near(i).iter().map(|j| *j as usize).find(|j| self.labels[*j] == self.labels[i])?;
             Some(off(i) - off(next))
         });
-        mad(held().map(off)) > DIGITS && lie_off_together(held().map(off), pairs)
+        mad(held().map(off)) > DIGITS && lie_off_together(held().map(off), pairs, &field.tuning.recognition)
     }
 }
 
@@ -78,14 +77,13 @@ impl ToldCut {
         for (part, members) in cut.parts.iter().zip(cut.members()) {
             off.add(field.cloud, &members, part);
         }
-        let tuning = Tuning::default();
         let count = field.cloud.len() as f64;
         let strays = cut.labels.iter().filter(|label| **label == NONE).count() as f64 / count;
         let pass = field.told(field.pass);
         let of =
             |distance: f64, normal: f64| distance.ln() + if pass.normal.is_finite() { 2.0 * normal.ln() } else { 0.0 };
         let held = off.spread(&pass, field.tuning.own);
-        let of_stray = of(tuning.scatter_of_none(), (2.0 / E).sqrt());
+        let of_stray = of(field.tuning.recognition.scatter_of_none(), (2.0 / E).sqrt());
         ToldCut {
             length: (1.0 - strays) * of(held.distance, held.normal) + strays * of_stray,
             independent: off.independent(field.cells) / (1.0 - strays).max(1.0 / count),

@@ -41,7 +41,7 @@ pub(super) fn wide_noise(cloud: &Cloud, shapes: &LocalShapes, noise: &Noise, tun
             // the other wall of a pipe is no error that neighbours share
             let faces = |i: usize| dot(cloud.normals[place], cloud.normals[i]) > tuning.faces_away;
             let members = walk.reach(cloud, &[place as u32], width, faces);
-            let Some([distance, normal]) = residuals(cloud, &members, &widest) else { continue };
+            let Some([distance, normal]) = residuals(cloud, &members, &widest, tuning) else { continue };
             left[0].push(distance);
             left[1].push(normal);
         }
@@ -53,10 +53,10 @@ pub(super) fn wide_noise(cloud: &Cloud, shapes: &LocalShapes, noise: &Noise, tun
 }
 
 /// Root mean squares, corrected for the unknowns.
-fn residuals(cloud: &Cloud, members: &[u32], noise: &Noise) -> Option<[f64; 2]> {
+fn residuals(cloud: &Cloud, members: &[u32], noise: &Noise, tuning: &PartsTuning) -> Option<[f64; 2]> {
     let (points, normals) = sampled(cloud, members, SAMPLED);
     let sample = Sample { points: &points, normals: &normals, u_distance: noise.distance, u_normal: noise.normal };
-    let primitive = best(&sample, &[])?.primitive;
+    let primitive = best(&sample, &[], tuning)?.primitive;
     let (mut distances, mut angles) = (0.0, 0.0);
     for (p, n) in points.iter().zip(&normals) {
         let (d, normal) = primitive.nearest(*p);

@@ -80,7 +80,7 @@ impl<'a> MergeCandidate<'a> {
         let u = field.told(field.coarse);
         let (points, normals) = sampled(field.cloud, members, FITTED);
         let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
-        let rough = descended(kind, &sample, &before, extent(&points))?.primitive;
+        let rough = descended(kind, &sample, &before, extent(&points), field.tuning)?.primitive;
         self.residuals_if_near(&rough)?;
         let (points, normals) = sampled(field.cloud, members, usize::MAX);
         let sample = Sample { points: &points, normals: &normals, ..sample };

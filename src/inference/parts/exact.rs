@@ -142,18 +142,18 @@ fn tangent_plane(cloud: &Cloud, inner: &[u32], primitive: &Primitive) -> Primiti
 
 /// Fits until the noise has settled, to the points that the primitive explains.
 fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, begin: &StartNoise, cells: &Cells) -> Option<Exact> {
-    let coarse = &begin.coarse;
+    let (coarse, tuning) = (&begin.coarse, begin.tuning);
     let told = |noise: Noise| if begin.measured { noise } else { Noise { normal: f64::INFINITY, ..noise } };
     let floor = cloud.rounding_among(inner);
     let mut noise = told(if begin.is_known { scatter_about(cloud, inner, start) } else { *coarse });
-    let mut kept = explained(cloud, inner, start, coarse, begin.along);
-    let mut descended = exact(cloud, &kept, start, &noise)?;
+    let mut kept = explained(cloud, inner, start, coarse, begin.along, tuning);
+    let mut descended = exact(cloud, &kept, start, &noise, tuning)?;
     for _ in 0..4 {
-        kept = explained(cloud, inner, &descended.primitive, coarse, begin.along);
+        kept = explained(cloud, inner, &descended.primitive, coarse, begin.along, tuning);
         let next = told(noise_of(cloud, &kept, &descended, &noise));
         let settled = is_settled(&next, &noise);
         noise = next;
-        descended = exact(cloud, &kept, &descended.primitive, &noise.at_least(&floor))?;
+        descended = exact(cloud, &kept, &descended.primitive, &noise.at_least(&floor), tuning)?;
         if settled {
             break;
         }
@@ -162,7 +162,7 @@ fn fitted(cloud: &Cloud, inner: &[u32], start: &Primitive, begin: &StartNoise, c
     let share = share(cloud, inner, &descended, &weighed);
     let least = if weighed.distance > noise.distance { weighed.distance.powi(2) } else { 0.0 };
     let (p, departure) = lack_of_fit(cloud, inner, &descended.primitive, (share, least));
-    let fit = Weighted { primitive: &descended.primitive, noise: &weighed, tuning: begin.tuning };
+    let fit = Weighted { primitive: &descended.primitive, noise: &weighed, tuning };
     let covariance =
         descended.covariance().map(|independent| covariance_of_unknowns(cloud, inner, &fit, &independent, cells));
     Some(Exact { descended, noise, p, departure, covariance })
@@ -278,8 +278,8 @@ mod tests {
         let members: Vec<u32> = (0..cloud.len() as u32).collect();
         let (points, normals) = sampled(cloud, &members, usize::MAX);
         let sample = Sample { points: &points, normals: &normals, u_distance: 0.002, u_normal: 0.02 };
-        let cone = descended(PartKind::Cone, &sample, &[], extent(&points)).unwrap().primitive;
         let (coarse, tuning) = (Noise { distance: 0.1, normal: 0.3 }, PartsTuning::default());
+        let cone = descended(PartKind::Cone, &sample, &[], extent(&points), &tuning).unwrap().primitive;
         let begin = StartNoise { coarse, is_known: false, measured: true, along: 0.0, tuning: &tuning };
         let fit = if simple { simplest } else { fitted };
         fit(cloud, &members, &cone, &begin, &Cells::new(cloud, &tuning)).unwrap()
@@ -309,9 +309,8 @@ mod tests {
         let members: Vec<u32> = (0..cloud.len() as u32).collect();
         let (points, normals) = sampled(&cloud, &members, usize::MAX);
         let sample = Sample { points: &points, normals: &normals, u_distance: 0.1, u_normal: 0.3 };
-        let ball = descended(PartKind::Sphere, &sample, &[], extent(&points)).unwrap().primitive;
-        let coarse = Noise { distance: 0.3, normal: 0.9 };
-        let tuning = PartsTuning::default();
+        let (coarse, tuning) = (Noise { distance: 0.3, normal: 0.9 }, PartsTuning::default());
+        let ball = descended(PartKind::Sphere, &sample, &[], extent(&points), &tuning).unwrap().primitive;
         let begin = StartNoise { coarse, is_known: false, measured: true, along: 0.0, tuning: &tuning };
         let cells = Cells::new(&cloud, &tuning);
         simplest(&cloud, &members, &ball, &begin, &cells).unwrap().descended.primitive.kind

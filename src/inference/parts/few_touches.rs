@@ -19,14 +19,18 @@ use palpate_numeric::vector::{Vector, along, cross, dot, minus, norm};
 const SEED: u64 = 1;
 
 /// One primitive for all contacts; `None` where none is sure. `normals` are those of the file, or empty.
-pub(super) fn one_of_few(contacts: &Contacts, normals: &[Vector], notes: Vec<String>) -> Option<Parts> {
+pub(super) fn one_of_few(
+    contacts: &Contacts,
+    normals: &[Vector],
+    notes: Vec<String>,
+    tuning: &Tuning,
+) -> Option<Parts> {
     let points = &places(contacts);
     let blank = vec![[0.0, 0.0, 1.0]; points.len()];
     let cloud = Cloud::new(points, if normals.is_empty() { blank } else { normals.to_vec() })?;
     let cloud = cloud.rounded(Rounding::of_contacts(contacts));
     let sample = BodySample::new(&cloud.points, normals, cloud.rounding)?;
-    let tuning = Tuning::default();
-    let Verdict::One(found) = bodies::infer_primitives(&sample, &tuning) else { return None };
+    let Verdict::One(found) = bodies::infer_primitives(&sample, tuning) else { return None };
     let kind = found.kind();
     let is_sure = found.weight_of(kind) >= tuning.sure_of_few && kind != PartKind::Ellipsoid;
     let primitive = found.likeliest(kind).filter(|_| is_sure)?;
@@ -34,10 +38,11 @@ pub(super) fn one_of_few(contacts: &Contacts, normals: &[Vector], notes: Vec<Str
     let is_turned = !normals.is_empty() && share_against(&cloud, &primitive, &members) > 0.5;
     let primitive = Primitive { side: if is_turned { -primitive.side } else { primitive.side }, ..primitive };
     let node = found.best_of(kind)?;
+    let drawn = drawn_beside(&primitive, &found, tuning);
     let mut labels = vec![None; points.len()];
     members.iter().for_each(|i| labels[*i as usize] = Some(0));
     Some(Parts {
-        parts: vec![part(&cloud, &primitive, &members, &found, normals.is_empty())],
+        parts: vec![part(&cloud, &primitive, &members, &drawn, normals.is_empty())],
         joints: Vec::new(),
         labels,
         spacing: cloud.spacing * cloud.scale,
@@ -48,7 +53,7 @@ pub(super) fn one_of_few(contacts: &Contacts, normals: &[Vector], notes: Vec<Str
     })
 }
 
-fn part(cloud: &Cloud, primitive: &Primitive, members: &[u32], found: &BodyPosterior, is_open: bool) -> Part {
+fn part(cloud: &Cloud, primitive: &Primitive, members: &[u32], drawn: &[Primitive], is_open: bool) -> Part {
     let [s, r] = mean_shape(cloud, primitive, members);
     let class = class_of(primitive, s);
     let off = |i: &u32| primitive.nearest(cloud.points[*i as usize]).0;
@@ -58,7 +63,7 @@ fn part(cloud: &Cloud, primitive: &Primitive, members: &[u32], found: &BodyPoste
         kind: primitive.kind,
         hollow: primitive.side < 0.0 && primitive.kind != PartKind::Plane,
         geometry: geometry(cloud, primitive),
-        u: uncertainty(cloud, primitive, members, found),
+        u: uncertainty(cloud, primitive, members, drawn),
         class: Some(class),
         other_class: Some(class.mirrored()).filter(|other| is_open && *other != class),
         shape_index: (primitive.kind != PartKind::Plane).then_some(s),
@@ -72,14 +77,18 @@ fn part(cloud: &Cloud, primitive: &Primitive, members: &[u32], found: &BodyPoste
     }
 }
 
-/// Root mean squares of what the draws of the kind differ by from the likeliest.
-fn uncertainty(cloud: &Cloud, likeliest: &Primitive, members: &[u32], found: &BodyPosterior) -> PartUncertainty {
-    let kind = likeliest.kind;
-    let drawn: Vec<Primitive> = bodies::drawn(found, &Tuning::default(), SEED)
+/// Draws of the posterior that are of the likeliest primitive's kind, on its side.
+fn drawn_beside(likeliest: &Primitive, found: &BodyPosterior, tuning: &Tuning) -> Vec<Primitive> {
+    bodies::drawn(found, tuning, SEED)
         .iter()
         .map(|draw| Primitive { side: likeliest.side, ..draw.primitive })
-        .filter(|primitive| primitive.kind == kind)
-        .collect();
+        .filter(|primitive| primitive.kind == likeliest.kind)
+        .collect()
+}
+
+/// Root mean squares of what the draws of the kind differ by from the likeliest.
+fn uncertainty(cloud: &Cloud, likeliest: &Primitive, members: &[u32], drawn: &[Primitive]) -> PartUncertainty {
+    let kind = likeliest.kind;
     let rms = |of: &dyn Fn(&Primitive) -> f64| {
         (drawn.iter().map(|p| of(p).powi(2)).sum::<f64>() / drawn.len().max(1) as f64).sqrt()
     };

@@ -12,7 +12,7 @@
 use super::cloud::Cloud;
 use super::hypothesis::sampled;
 use super::tuning::PartsTuning;
-use crate::recognition::{FieldChoice, RecognitionOptions, Tuning, flexible, own_axes};
+use crate::recognition::{FieldChoice, RecognitionOptions, flexible, own_axes};
 use palpate_fitting::fit::{Fit, FitOptions, Smooth, Statistic, fit_contacts_over};
 use palpate_geometry::contact::Contacts;
 use palpate_numeric::vector::{Vector, norm};
@@ -45,8 +45,8 @@ const RICH_CONTACTS: usize = 3000;
 /// The spline through these members; `None` where no height field follows them.
 pub(super) fn free_form(cloud: &Cloud, members: &[u32], tuning: &PartsTuning) -> Option<FreeForm> {
     let (contacts, axes) = one_sided(cloud, members, usize::MAX, tuning)?;
-    let (options, of_field) = (FitOptions::default(), Tuning::default());
-    let fit = match flexible(&contacts, axes, &options, &of_field) {
+    let (options, of_field) = (FitOptions::default(), &tuning.recognition);
+    let fit = match flexible(&contacts, axes, &options, of_field) {
         Some(field) => field.ok().filter(|field| field.error < of_field.field_predicts * field.relief)?.fit,
         None => fit_contacts_over(&contacts, axes, &options).ok()?,
     };
@@ -57,8 +57,8 @@ pub(super) fn free_form(cloud: &Cloud, members: &[u32], tuning: &PartsTuning) ->
 pub(super) fn predicted(cloud: &Cloud, most: usize, tuning: &PartsTuning) -> Option<f64> {
     let all: Vec<u32> = (0..cloud.len() as u32).collect();
     let (contacts, axes) = one_sided(cloud, &all, most, tuning)?;
-    let of_field = Tuning::default();
-    let field = FieldChoice::of(&contacts, axes, &FitOptions::default(), &of_field)?;
+    let of_field = &tuning.recognition;
+    let field = FieldChoice::of(&contacts, axes, &FitOptions::default(), of_field)?;
     (field.error < of_field.field_predicts * field.relief).then_some(field.error)
 }
 
@@ -81,7 +81,8 @@ fn one_sided(cloud: &Cloud, members: &[u32], most: usize, tuning: &PartsTuning) 
         return None;
     }
     let contacts = Contacts::from_points(&points).with_normal_vectors(&normals);
-    let axes = own_axes(&contacts, &RecognitionOptions::default())?;
+    let options = RecognitionOptions { tuning: tuning.recognition.clone(), ..RecognitionOptions::default() };
+    let axes = own_axes(&contacts, &options)?;
     Some((contacts, axes))
 }
 

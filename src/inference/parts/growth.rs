@@ -1,12 +1,12 @@
 //! Region after region, from the smoothest place that none explains.
 //!
 //! ```text
-//! region(p)    grown from p over contacts that cost less in it than `steals` of what they cost now; in no part CAP
+//! region(p)    grown from p over contacts that cost less in it than `steals` of what they cost now; in no part `cost_of_none`
 //! kept where   sum of what its contacts then cost less > (unknowns + 1) ln(rows)
 //! ```
 
 use super::cloud::{FEWEST_POINTS, NEAREST};
-use super::hypothesis::{CAP, Walk, begun_alike, begun_round, cost, grow, is_single};
+use super::hypothesis::{Walk, begun_alike, begun_round, cost, grow, is_single};
 use super::local::{LocalShape, Noise};
 use super::partition::{Field, NONE, Partition, unlabelled};
 use super::sheet::SheetLimit;
@@ -65,10 +65,10 @@ struct Growing<'a> {
 
 impl<'a> Growing<'a> {
     fn new(found: Partition, field: &'a Field<'a>) -> Growing<'a> {
-        let cloud = field.cloud;
+        let (cloud, tuning) = (field.cloud, field.tuning);
         let cost_of = |i: usize| match found.labels[i] {
-            NONE => CAP,
-            part => cost(&found.parts[part as usize], cloud.contact(i), &field.coarse, field.along()),
+            NONE => tuning.cost_of_none,
+            part => cost(&found.parts[part as usize], cloud.contact(i), &field.coarse, field.along(), tuning),
         };
         let costs = (0..cloud.len()).map(cost_of).collect();
         Growing { field, costs, tried: vec![false; cloud.len()], known: found.parts.len() as u32, found }
@@ -76,11 +76,12 @@ impl<'a> Growing<'a> {
 
     /// What a contact may cost in a region that takes it; none takes contacts of a settled part.
     fn most_of(&self, i: usize) -> f64 {
+        let tuning = self.field.tuning;
         match self.found.labels[i] {
-            NONE => CAP,
-            _ if self.field.shared => CAP,
+            NONE => tuning.cost_of_none,
+            _ if self.field.shared => tuning.cost_of_none,
             part if part < self.known => 0.0,
-            _ => self.field.tuning.steals * self.costs[i],
+            _ => tuning.steals * self.costs[i],
         }
     }
 
@@ -100,8 +101,10 @@ impl<'a> Growing<'a> {
     /// The region that begins with some contacts, if it lowers the energy.
     fn region_from(&self, first: &[u32], walk: &mut Walk) -> Option<GrownRegion> {
         let (cloud, u, along) = (self.field.cloud, &self.field.coarse, self.field.along());
-        let (primitive, members) = grow((cloud, u, along), first, walk, |i| self.most_of(i))?;
-        let costs = members.iter().map(|i| *i as usize).map(|i| (i, cost(&primitive, cloud.contact(i), u, along)));
+        let tuning = self.field.tuning;
+        let (primitive, members) = grow((cloud, u, along, tuning), first, walk, |i| self.most_of(i))?;
+        let cost_of = |i: usize| cost(&primitive, cloud.contact(i), u, along, tuning);
+        let costs = members.iter().map(|i| *i as usize).map(|i| (i, cost_of(i)));
         let better: Vec<(usize, f64)> = costs.filter(|(i, cost)| *cost < self.costs[*i]).collect();
         let gain: f64 = better.iter().map(|(i, cost)| self.costs[*i] - cost).sum();
         let rows = (4 * cloud.len()) as f64;

@@ -1,9 +1,9 @@
 //! Which primitive a set of points shows, and how far about a point it reaches.
 //!
 //! ```text
-//! cost(p) = min(d^2 / u_d^2 + |n(p) - n|^2 / (u_n^2 + R^2 s^2) + sum_k ln(1 + (k s / u_n)^2), CAP)        s: error along the surface
+//! cost(p) = min(d^2 / u_d^2 + |n(p) - n|^2 / (u_n^2 + R^2 s^2) + sum_k ln(1 + (k s / u_n)^2), c)        s: error along the surface
 //! score = sum of d^2 / u_d^2 + |n(p) - n|^2 / u_n^2 + unknowns ln(rows)
-//! grow: fit the region, take the connected points that cost less than CAP, at most twice as many, and fit again
+//! grow: fit the region, take the connected points that cost less than c, at most twice as many, and fit again        c: `cost_of_none`
 //! ```
 //!
 //! The kind is chosen anew at every size: what looks flat while it is small is a cylinder when it has grown. P. J. Besl and
@@ -11,14 +11,12 @@
 
 use super::cloud::{Cloud, LINKED, NEAREST};
 use super::local::Noise;
+use super::tuning::PartsTuning;
 use crate::primitives::descent::{Descended, Sample, descend_roughly, sum_of_squares};
 use crate::primitives::placed::{PartKind, Primitive};
 use crate::primitives::starts::starts;
 use palpate_numeric::statistics::evenly_among;
 use palpate_numeric::vector::{Vector, along, dot, minus, norm};
-
-/// Cost at which a point is none of the primitive's: three squares of gaussians exceed it once in a thousand.
-pub(super) const CAP: f64 = 16.0;
 
 /// Points that a growing region is fitted to: with 4 rows each they settle 7 unknowns, and more only take time.
 const SAMPLED: usize = 300;
@@ -28,15 +26,22 @@ const ROUNDS: usize = 40;
 
 /// What a contact costs under a primitive. A place that is off `along` the surface has the normal of another foot: on a tube as thin as
 /// ten such errors, normals are off by six degrees beside their own.
-pub(super) fn cost(primitive: &Primitive, (p, n): (Vector, Vector), u: &Noise, along: f64) -> f64 {
+pub(super) fn cost(
+    primitive: &Primitive,
+    (p, n): (Vector, Vector),
+    u: &Noise,
+    along: f64,
+    tuning: &PartsTuning,
+) -> f64 {
+    let most = tuning.cost_of_none;
     let (d, normal) = primitive.nearest(p);
     let off = minus(normal, n);
     let (distance, normals) = ((d / u.distance).powi(2), dot(off, off) / u.normal.powi(2));
-    if primitive.kind == PartKind::Plane || distance >= CAP || along == 0.0 {
-        return (distance + normals).min(CAP);
+    if primitive.kind == PartKind::Plane || distance >= most || along == 0.0 {
+        return (distance + normals).min(most);
     }
     let [one, two] = primitive.curvatures(p).map(|k| (k * along / u.normal).powi(2));
-    (distance + normals / (1.0 + 0.5 * (one + two)) + one.ln_1p() + two.ln_1p()).min(CAP)
+    (distance + normals / (1.0 + 0.5 * (one + two)) + one.ln_1p() + two.ln_1p()).min(most)
 }
 
 /// A primitive with its score over the points that it was fitted to.
@@ -53,7 +58,7 @@ pub(super) fn sampled(cloud: &Cloud, members: &[u32], most: usize) -> (Vec<Vecto
 }
 
 /// The kind that explains these points with the least score; `before` is one more place to start from.
-pub(super) fn best(sample: &Sample, before: &[Primitive]) -> Option<Scored> {
+pub(super) fn best(sample: &Sample, before: &[Primitive], tuning: &PartsTuning) -> Option<Scored> {
     let rows = (4 * sample.points.len()) as f64;
     let extent = extent(sample.points);
     let mut found: Option<Scored> = None;
@@ -63,7 +68,7 @@ pub(super) fn best(sample: &Sample, before: &[Primitive]) -> Option<Scored> {
         if found.is_some_and(|best| price >= best.score) {
             continue;
         }
-        let Some(descended) = descended(kind, sample, before, extent) else { continue };
+        let Some(descended) = descended(kind, sample, before, extent, tuning) else { continue };
         let score = descended.sum + price;
         if found.is_none_or(|best| score < best.score) {
             found = Some(Scored { primitive: descended.primitive, score });
@@ -73,7 +78,13 @@ pub(super) fn best(sample: &Sample, before: &[Primitive]) -> Option<Scored> {
 }
 
 /// The best descent of one kind, to the digits that tell it from others.
-pub(super) fn descended(kind: PartKind, sample: &Sample, before: &[Primitive], extent: f64) -> Option<Descended> {
+pub(super) fn descended(
+    kind: PartKind,
+    sample: &Sample,
+    before: &[Primitive],
+    extent: f64,
+    tuning: &PartsTuning,
+) -> Option<Descended> {
     let mut all = starts(kind, sample);
     all.extend(before.iter().filter(|p| p.kind == kind));
     all.retain(|start| start.is_sound(1e3 * extent));
@@ -87,8 +98,8 @@ pub(super) fn descended(kind: PartKind, sample: &Sample, before: &[Primitive], e
     let found = found.filter(is_sound).reduce(least)?;
     // rows of a whole ring are nowhere near those of its dual, and a descent would be for nothing
     let dual = found.primitive.dual_ring(middle(sample.points));
-    let near =
-        dual.filter(|dual| dual.is_sound(extent) && sum_of_squares(dual, sample) < CAP * sample.points.len() as f64);
+    let most = tuning.cost_of_none * sample.points.len() as f64;
+    let near = dual.filter(|dual| dual.is_sound(extent) && sum_of_squares(dual, sample) < most);
     let other = near.and_then(|dual| descend_roughly(&dual, sample)).filter(is_sound);
     Some(other.map_or(found, |other| least(found, other)))
 }
@@ -199,7 +210,7 @@ pub(super) fn is_single(cloud: &Cloud, seed: usize, free: impl Fn(usize) -> bool
 
 /// The primitive about the contacts that a region begins with, and the connected ones that it explains at less than `most_of` each.
 pub(super) fn grow(
-    (cloud, u, along): (&Cloud, &Noise, f64),
+    (cloud, u, along, tuning): (&Cloud, &Noise, f64, &PartsTuning),
     first: &[u32],
     walk: &mut Walk,
     most_of: impl Fn(usize) -> f64,
@@ -211,9 +222,9 @@ pub(super) fn grow(
     for _ in 0..ROUNDS {
         let (points, normals) = sampled(cloud, &members, SAMPLED);
         let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
-        let primitive = best(&sample, &before)?.primitive;
+        let primitive = best(&sample, &before, tuning)?.primitive;
         let most = 2 * members.len() + NEAREST;
-        let takes = |i: usize| free(i) && cost(&primitive, cloud.contact(i), u, along) < most_of(i);
+        let takes = |i: usize| free(i) && cost(&primitive, cloud.contact(i), u, along, tuning) < most_of(i);
         let taken = walk.reach(cloud, first, most, takes);
         if 2 * taken.len() < first.len() {
             return None;
@@ -254,7 +265,8 @@ mod tests {
         let dual = groove.dual_ring([8.5, 0.0, 0.0]).unwrap();
         let alone = descend_roughly(&dual, &sample).unwrap().primitive;
         assert!(alone.sizes[1] > 3.0, "{alone:?}");
-        let found = descended(PartKind::Torus, &sample, &[dual], extent(&points)).unwrap().primitive;
+        let tuning = PartsTuning::default();
+        let found = descended(PartKind::Torus, &sample, &[dual], extent(&points), &tuning).unwrap().primitive;
         assert!((found.sizes[0] - 10.0).abs() < 0.3 && (found.sizes[1] - 1.5).abs() < 0.02, "{found:?}");
     }
 }

@@ -11,7 +11,7 @@ use std::collections::HashSet;
 
 use super::cloud::Cloud;
 use super::evidence::Residuals;
-use super::hypothesis::{CAP, best, cost, sampled};
+use super::hypothesis::{best, cost, sampled};
 use super::partition::{Field, NONE, Partition};
 use crate::primitives::descent::Sample;
 use crate::primitives::placed::Primitive;
@@ -98,16 +98,16 @@ impl Partition {
         points.extend(more_points);
         normals.extend(more_normals);
         let mean = |primitive: &Primitive, from: usize, to: usize| -> f64 {
-            (from..to).map(|k| cost(primitive, (points[k], normals[k]), &u, field.along())).sum::<f64>()
+            (from..to).map(|k| cost(primitive, (points[k], normals[k]), &u, field.along(), field.tuning)).sum::<f64>()
                 / (to - from) as f64
         };
         // a primitive that explains nothing of the other part, nor the other way round, has nothing to do with it
-        let foreign = if adjacent { 0.98 } else { 0.7 } * CAP;
+        let foreign = if adjacent { 0.98 } else { 0.7 } * field.tuning.cost_of_none;
         if mean(&one, first, points.len()) > foreign && mean(&two, 0, first) > foreign {
             return None;
         }
         let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
-        let joint = best(&sample, &[one, two])?.primitive;
+        let joint = best(&sample, &[one, two], field.tuning)?.primitive;
         let (mut together, mut apart) = (Residuals::default(), Residuals::default());
         together.add(cloud, of_a, &joint);
         together.add(cloud, of_b, &joint);

@@ -19,12 +19,6 @@ use palpate_numeric::statistics::{self, ENOUGH_FOR_RANKS, Rank, evenly_among};
 use palpate_numeric::threads;
 use palpate_numeric::vector::{axes_along, dot, minus};
 
-/// Share of the points that is thought to lie away from every edge. A quarter of them may then be wrong, and the noise is
-/// still that of the smooth ones; with the median, two edges in a small cloud would raise it.
-const SMOOTH: f64 = 0.3;
-/// The same quantile of a gaussian.
-const SMOOTH_GAUSSIAN: f64 = -0.5244;
-
 /// Noise below this share of the cloud's size is rounding.
 pub(super) const ROUNDING: f64 = 1e-10;
 
@@ -92,7 +86,7 @@ const WIDTHS: [Width; 2] =
 
 /// The noise that most neighbourhoods show, the narrow ones and the wide ones.
 pub(super) fn noise_by_width(cloud: &Cloud, tuning: &PartsTuning) -> [Noise; 2] {
-    WIDTHS.map(|width| noise_at(cloud, &width, tuning.faces_away))
+    WIDTHS.map(|width| noise_at(cloud, &width, tuning))
 }
 
 /// The surfaces at the points of a cloud, each computed when it is first asked for: of very many contacts few are in no part.
@@ -121,19 +115,20 @@ impl LocalShapes {
 }
 
 /// The noise that most neighbourhoods of one width show.
-fn noise_at(cloud: &Cloud, width: &Width, faces_away: f64) -> Noise {
+fn noise_at(cloud: &Cloud, width: &Width, tuning: &PartsTuning) -> Noise {
+    let [smooth, gaussian] = tuning.smooth;
     // the ratio of the two noises decides little: any start of the right size finds it in two rounds
     let mut noise = Noise { distance: 0.1 * cloud.spacing, normal: 0.05 };
     let asked: Vec<usize> = evenly_among(cloud.len(), ENOUGH_FOR_RANKS).collect();
     for _ in 0..3 {
-        let at = |k: usize| local_shape(cloud, asked[k], width.nearest, (&noise, faces_away)).variance;
+        let at = |k: usize| local_shape(cloud, asked[k], width.nearest, (&noise, tuning.faces_away)).variance;
         let variances = threads::map(asked.len(), 64, at);
         let quantile = |block: usize| {
             let values: Vec<f64> = variances.iter().map(|v: &[f64; 2]| v[block]).collect();
-            let value = statistics::quantile(values, SMOOTH, Rank::Floor).unwrap_or(0.0);
+            let value = statistics::quantile(values, smooth, Rank::Floor).unwrap_or(0.0);
             // Wilson and Hilferty: the quantile of a mean of so many squares
             let share: f64 = 2.0 / (9.0 * width.freedom[block]);
-            (value / (1.0 - share + SMOOTH_GAUSSIAN * share.sqrt()).powi(3)).sqrt()
+            (value / (1.0 - share + gaussian * share.sqrt()).powi(3)).sqrt()
         };
         noise = Noise { distance: quantile(0).max(ROUNDING), normal: quantile(1).max(ROUNDING) };
     }

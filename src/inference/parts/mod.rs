@@ -112,7 +112,8 @@ impl Parts {
             Ok(cut) => Ok(cut.parts(&options.tuning)),
             Err(too_few @ PartsError::TooFew { .. }) => {
                 let normals: Option<Vec<Vector>> = (0..contacts.len()).map(|r| contacts.unit_normal(r)).collect();
-                one_of_few(contacts, &normals.unwrap_or_default(), Vec::new()).ok_or(too_few)
+                let tuning = &options.tuning.recognition;
+                one_of_few(contacts, &normals.unwrap_or_default(), Vec::new(), tuning).ok_or(too_few)
             }
             Err(error) => Err(error),
         }

@@ -12,7 +12,7 @@
 
 use super::cloud::{Cloud, FEWEST_POINTS, NEAREST};
 use super::evidence::{Cells, Residuals};
-use super::hypothesis::{CAP, cost, descended, extent, sampled};
+use super::hypothesis::{cost, descended, extent, sampled};
 use super::local::{LocalShapes, Noise};
 use super::scatter::PartsScatter;
 use super::sheet::SheetLimit;
@@ -101,7 +101,10 @@ impl Field<'_> {
 
     /// Contacts that a primitive is judged by: those that it explains; where neighbours share errors all, since its own stand off, too.
     pub(super) fn judged(&self, inner: &[u32], primitive: &Primitive) -> Vec<u32> {
-        if self.shared { inner.to_vec() } else { explained(self.cloud, inner, primitive, &self.coarse, self.along()) }
+        if self.shared {
+            return inner.to_vec();
+        }
+        explained(self.cloud, inner, primitive, &self.coarse, self.along(), self.tuning)
     }
 }
 
@@ -172,12 +175,13 @@ impl Partition {
         let common = noise_of(&off.concat());
         let own = |off: &Vec<[f64; 2]>| noise_of(off).between(&common, &field.coarse);
         let own = if field.shared { Vec::new() } else { off.iter().map(own).collect() };
-        PartsScatter { common, own, along: field.along(), most_price: field.tuning.most_price * CAP }
+        let most_price = field.tuning.most_price * field.tuning.cost_of_none;
+        PartsScatter { common, own, along: field.along(), most_price }
     }
 
     /// Every point takes the label of least energy among those of its neighbours, all at once.
     pub(super) fn relabel(&mut self, field: &Field, scatter: &PartsScatter) {
-        let (cloud, labels, agree) = (field.cloud, &self.labels, field.tuning.agree);
+        let (cloud, labels, tuning) = (field.cloud, &self.labels, field.tuning);
         let prices: Vec<f64> = (0..self.parts.len()).map(|part| scatter.price(part)).collect();
         let chosen = threads::map(cloud.len(), 256, |i| {
             let own = labels[i];
@@ -191,14 +195,14 @@ impl Partition {
             let energy = |label: u32| {
                 let differing = cloud.linked(i).iter().filter(|&&j| labels[j as usize] != label).count();
                 let data = match label {
-                    NONE => CAP,
+                    NONE => tuning.cost_of_none,
                     part => {
                         let part = part as usize;
-                        let own = cost(&self.parts[part], cloud.contact(i), scatter.of(part), scatter.along);
-                        (own + prices[part]).min(CAP)
+                        let own = cost(&self.parts[part], cloud.contact(i), scatter.of(part), scatter.along, tuning);
+                        (own + prices[part]).min(tuning.cost_of_none)
                     }
                 };
-                0.5 * data + agree * differing as f64
+                0.5 * data + tuning.agree * differing as f64
             };
             let of = |label: u32| (energy(label), label);
             candidates.into_iter().map(of).fold(of(own), |best, new| if new.0 < best.0 { new } else { best }).1
@@ -220,10 +224,12 @@ impl Partition {
         }
         // normals beside an edge lean where they are those of planes through neighbours, and distances alone tell
         let normal = if field.blurred { f64::INFINITY } else { field.coarse.normal };
-        let (cloud, u) = (field.cloud, &Noise { normal, ..field.coarse });
+        let (cloud, u, tuning) = (field.cloud, &Noise { normal, ..field.coarse }, field.tuning);
+        let cost_in =
+            |part: u32, i: usize| cost(&self.parts[part as usize], cloud.contact(i), u, field.along(), tuning);
         let labels = threads::map(cloud.len(), 256, |i| match self.labels[i] {
             NONE => NONE,
-            part if cost(&self.parts[part as usize], cloud.contact(i), u, field.along()) < CAP => part,
+            part if cost_in(part, i) < tuning.cost_of_none => part,
             _ => NONE,
         });
         let mut left = vec![0_usize; self.parts.len()];
@@ -269,8 +275,16 @@ impl Partition {
 
 /// The points that cost less than the most: a face too small to be a part has its neighbour's label, and a dozen points of a
 /// cone's top turn its half angle by five uncertainties.
-pub(super) fn explained(cloud: &Cloud, inner: &[u32], primitive: &Primitive, coarse: &Noise, along: f64) -> Vec<u32> {
-    let is_explained = |i: &u32| cost(primitive, cloud.contact(*i as usize), coarse, along) < CAP;
+pub(super) fn explained(
+    cloud: &Cloud,
+    inner: &[u32],
+    primitive: &Primitive,
+    coarse: &Noise,
+    along: f64,
+    tuning: &PartsTuning,
+) -> Vec<u32> {
+    let cost_of = |i: &u32| cost(primitive, cloud.contact(*i as usize), coarse, along, tuning);
+    let is_explained = |i: &u32| cost_of(i) < tuning.cost_of_none;
     let kept: Vec<u32> = inner.iter().copied().filter(is_explained).collect();
     if kept.len() >= FEWEST_POINTS { kept } else { inner.to_vec() }
 }
@@ -285,7 +299,7 @@ fn chosen(field: &Field, inner: &[u32], before: &Primitive) -> Option<Primitive>
     let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
     let loses =
         |simpler: &Residuals, richer: &Residuals, more| simpler.lose_over(richer, more, field.cells, &pass, own);
-    simplest((cloud, inner), &sample, &[*before], loses)
+    simplest((cloud, inner), &sample, &[*before], field.tuning, loses)
 }
 
 /// The simplest kind for some contacts that `loses` to no richer one that is so many unknowns richer, each begun at the primitives `before`,
@@ -294,12 +308,13 @@ pub(super) fn simplest(
     (cloud, members): (&Cloud, &[u32]),
     sample: &Sample,
     before: &[Primitive],
+    tuning: &PartsTuning,
     loses: impl Fn(&Residuals, &Residuals, usize) -> f64,
 ) -> Option<Primitive> {
     let extent = extent(sample.points);
     let mut kept: Option<(Primitive, Residuals)> = None;
     for kind in PartKind::EXACT {
-        let Some(found) = descended(kind, sample, before, extent) else { continue };
+        let Some(found) = descended(kind, sample, before, extent, tuning) else { continue };
         let mut residuals = Residuals::default();
         residuals.add(cloud, members, &found.primitive);
         let better = kept.as_ref().is_none_or(|(primitive, simpler)| {
@@ -319,12 +334,13 @@ pub(super) fn exact(
     inner: &[u32],
     primitive: &Primitive,
     u: &Noise,
+    tuning: &PartsTuning,
 ) -> Option<crate::primitives::descent::Descended> {
     let (points, normals) = sampled(cloud, inner, usize::MAX);
     let all = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: u.normal };
     let (some, turned) = sampled(cloud, inner, FITTED);
     let part = Sample { points: &some, normals: &turned, ..all };
-    let near = descended(primitive.kind, &part, &[*primitive], extent(&points))?;
+    let near = descended(primitive.kind, &part, &[*primitive], extent(&points), tuning)?;
     descend(&near.primitive, &all)
 }
 

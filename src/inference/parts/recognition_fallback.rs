@@ -52,7 +52,7 @@ impl Few {
         let (points, normals) = sampled(cloud, members, usize::MAX);
         // all round there is no direction of the free side, and classes of both sides stay open
         let up = Some(mean_of(&normals)).filter(|mean| norm(*mean) > tuning.few_one_side);
-        let options = RecognitionOptions { up, ..RecognitionOptions::default() };
+        let options = RecognitionOptions { up, tuning: tuning.recognition.clone(), ..RecognitionOptions::default() };
         let contacts = Contacts::from_points(&points);
         let contacts = if measured { contacts.with_normal_vectors(&normals) } else { contacts };
         Recognition::of_rounded(&contacts, cloud.rounding_among(members), &options)

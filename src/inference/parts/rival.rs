@@ -31,10 +31,10 @@ impl Parts {
     /// `None` where the surface follows the contacts, and where they cannot be cut.
     pub fn instead_of(distances: &[f64], contacts: &Contacts, options: &PartsOptions) -> Option<Parts> {
         let points: Vec<Vector> = places(contacts);
-        let tuning = Tuning::default();
+        let tuning = &options.tuning.recognition;
         let (_, _, size) = framed(&points)?;
         let is_exact = mad(distances.iter().copied()) <= DIGITS * size;
-        if distances.len() != points.len() || is_exact || !leaves_a_pattern(distances, &points) {
+        if distances.len() != points.len() || is_exact || !leaves_a_pattern(distances, &points, tuning) {
             return None;
         }
         let found_of = |members: &[u32]| {
@@ -43,7 +43,7 @@ impl Parts {
             let cut = Segmentation::of(&contacts.in_order(members), options).ok()?;
             let is_worth = cut.held_by_simple_kinds() >= tuning.primitives_hold;
             let found = is_worth.then(|| cut.parts(&options.tuning))?;
-            is_likelier(&found, &off, size, &tuning).then_some(found)
+            is_likelier(&found, &off, size, tuning).then_some(found)
         };
         // what some of very many contacts do not show, all of them need not be cut for
         let share = LOOKED_AT as f64 / points.len() as f64;
@@ -55,10 +55,10 @@ impl Parts {
 }
 
 /// Whether contacts next to each other lie off the surface together.
-fn leaves_a_pattern(distances: &[f64], points: &[Vector]) -> bool {
+fn leaves_a_pattern(distances: &[f64], points: &[Vector], tuning: &Tuning) -> bool {
     let tree = Neighbours::new(points);
     let pairs = (0..points.len()).filter_map(|i| Some(distances[i] - distances[tree.nearest_other(i)?.1]));
-    lie_off_together(distances.iter().copied(), pairs)
+    lie_off_together(distances.iter().copied(), pairs, tuning)
 }
 
 /// One of several groups of contacts that are told by a surface of their own.

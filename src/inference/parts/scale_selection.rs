@@ -23,9 +23,6 @@ const ROUNDS: usize = 6;
 /// Share of a noise by which it moves in the last round: less than what the number of points leaves open.
 const SETTLED: f64 = 0.01;
 
-/// The quantile that is thought to lie away from edges, and the same of a gaussian.
-const SMOOTH: (f64, f64) = (0.3, -0.5244);
-
 /// Smallest mean square of a derivative, in units of the cloud's size: that of a plane.
 const FLAT: f64 = 1e-12;
 
@@ -43,7 +40,7 @@ pub(super) fn law(touched: &Touched, asked: &[usize], spacing: f64, tuning: &Par
     let mut best: Option<(f64, Law)> = None;
     let least = tuning.jet_sizes[0];
     for size in tuning.jet_sizes.into_iter().filter(|size| *size == least || size + 1 < touched.points.len() / 4) {
-        let Some((score, law)) = settled(touched, asked, spacing, (size, tuning.jet_belief)) else { break };
+        let Some((score, law)) = settled(touched, asked, spacing, (size, tuning)) else { break };
         let misfits = best.is_some_and(|(_, last)| {
             let grows = |of: fn(&Noise) -> f64| of(&law.noise) > tuning.jet_misfit * of(&last.noise);
             grows(|noise| noise.distance) || grows(|noise| noise.normal)
@@ -57,10 +54,15 @@ pub(super) fn law(touched: &Touched, asked: &[usize], spacing: f64, tuning: &Par
 }
 
 /// Noise and bend as neighbourhoods of one size show them, and the median variance of curvature.
-fn settled(touched: &Touched, asked: &[usize], spacing: f64, (size, belief): (usize, f64)) -> Option<(f64, Law)> {
+fn settled(
+    touched: &Touched,
+    asked: &[usize],
+    spacing: f64,
+    (size, tuning): (usize, &PartsTuning),
+) -> Option<(f64, Law)> {
     let reach = spacing * (size as f64 / std::f64::consts::PI).sqrt();
     let noise = Noise { distance: 0.1 * spacing, normal: 0.05 };
-    let mut law = Law { size, noise, bend: [reach.powi(-4), reach.powi(-6)], belief };
+    let mut law = Law { size, noise, bend: [reach.powi(-4), reach.powi(-6)], belief: tuning.jet_belief };
     // the same neighbours in every round: noises and bends alone are others
     let near: Vec<Neighbourhood> =
         threads::map(asked.len(), 16, |k| Neighbourhood::of(touched, asked[k], size)).into_iter().flatten().collect();
@@ -72,7 +74,8 @@ fn settled(touched: &Touched, asked: &[usize], spacing: f64, (size, belief): (us
             return None;
         }
         let last = law;
-        law.noise = Noise { distance: noise_of(&shown, 0), normal: noise_of(&shown, 1) };
+        let [distance, normal] = [0, 1].map(|block| noise_of(&shown, block, tuning.smooth));
+        law.noise = Noise { distance, normal };
         law.bend = [0, 1].map(|k| quantile(shown.iter().map(|of| of.bend[k]), 0.5).max(FLAT));
         score = quantile(shown.iter().map(|of| of.score), 0.5);
         if is_settled(&last, &law) {
@@ -105,8 +108,7 @@ fn is_settled(last: &Law, law: &Law) -> bool {
 }
 
 /// Wilson and Hilferty's quantile of a mean of so many squares.
-fn noise_of(shown: &[JetMisfit], block: usize) -> f64 {
-    let (share, gaussian) = SMOOTH;
+fn noise_of(shown: &[JetMisfit], block: usize, [share, gaussian]: [f64; 2]) -> f64 {
     let value = quantile(shown.iter().map(|of| of.variance[block]), share);
     let freedom = quantile(shown.iter().map(|of| of.freedom[block]), 0.5);
     let ninth = 2.0 / (9.0 * freedom);

@@ -11,8 +11,12 @@ use crate::bodies::Tuning;
 use palpate_numeric::statistics::mad;
 
 /// Whether contacts next to each other lie off a surface together: what they are off by differs less between neighbours than it scatters.
-pub(super) fn lie_off_together(off: impl Iterator<Item = f64>, between: impl Iterator<Item = f64>) -> bool {
-    mad(between) / SQRT_2 < Tuning::default().sharper * mad(off)
+pub(super) fn lie_off_together(
+    off: impl Iterator<Item = f64>,
+    between: impl Iterator<Item = f64>,
+    tuning: &Tuning,
+) -> bool {
+    mad(between) / SQRT_2 < tuning.sharper * mad(off)
 }
 
 /// What the contacts of a partition scatter by.

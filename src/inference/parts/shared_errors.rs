@@ -209,8 +209,9 @@ mod tests {
             u_distance: noise.distance,
             u_normal: f64::INFINITY,
         };
-        let found = descended(PartKind::Plane, &sample, &[], extent(&cloud.points)).unwrap();
-        let fit = Weighted { primitive: &found.primitive, noise: &noise, tuning: &PartsTuning::default() };
+        let tuning = PartsTuning::default();
+        let found = descended(PartKind::Plane, &sample, &[], extent(&cloud.points), &tuning).unwrap();
+        let fit = Weighted { primitive: &found.primitive, noise: &noise, tuning: &tuning };
         let inner: Vec<u32> = (0..625).collect();
         let independent = found.covariance().unwrap();
         with_shared_errors(&cloud, &inner, &fit, &independent)[2][2] / independent[2][2]

@@ -6,7 +6,7 @@
 //! ```
 
 use super::evidence::Residuals;
-use super::hypothesis::{CAP, cost, descended, extent, sampled};
+use super::hypothesis::{cost, descended, extent, sampled};
 use super::local::Noise;
 use super::partition::{FITTED, Field, Partition, ROUNDS, SWEEPS, exact, explained};
 use super::tuning::PartsTuning;
@@ -44,15 +44,15 @@ impl Partition {
 
 /// The primitive fitted to those of its inner points that their own scatter explains, if half of that scatter goes with it.
 fn sharper(inner: &[u32], before: &Primitive, field: &Field) -> Option<Primitive> {
-    let (cloud, floor) = (field.cloud, &field.noise);
+    let (cloud, floor, tuning) = (field.cloud, &field.noise, field.tuning);
     let scatter = |primitive: &Primitive| {
         mad(inner.iter().map(|i| primitive.nearest(cloud.points[*i as usize]).0)).max(floor.distance)
     };
     let u = Noise { distance: scatter(before), normal: floor.normal };
-    let explains = |i: &u32| cost(before, cloud.contact(*i as usize), &u, field.along()) < CAP;
+    let explains = |i: &u32| cost(before, cloud.contact(*i as usize), &u, field.along(), tuning) < tuning.cost_of_none;
     let explained: Vec<u32> = inner.iter().copied().filter(explains).collect();
-    let found = exact(cloud, &explained, before, &u)?.primitive;
-    (scatter(&found) < field.tuning.sharper * u.distance).then_some(found)
+    let found = exact(cloud, &explained, before, &u, tuning)?.primitive;
+    (scatter(&found) < tuning.sharper * u.distance).then_some(found)
 }
 
 /// A primitive of another kind, where the share of the contacts by which kinds are told scatters about it no more than the `common` ones
@@ -75,10 +75,10 @@ fn of_sharper_kind((inner, before): (&[u32], &Primitive), field: &Field, common:
     let others = PartKind::EXACT.into_iter().filter(|kind| *kind != before.kind);
     // contacts off its edges are of neither kind, and are left behind step by step
     let fitted = |kind| {
-        (0..ROUNDS).try_fold(descended(kind, &sample, &[], extent)?, |found, _| {
+        (0..ROUNDS).try_fold(descended(kind, &sample, &[], extent, field.tuning)?, |found, _| {
             let near = Noise { distance: scatter(&found.primitive).max(field.noise.distance), ..u };
-            let kept = explained(cloud, inner, &found.primitive, &near, field.along());
-            exact(cloud, &kept, &found.primitive, &near)
+            let kept = explained(cloud, inner, &found.primitive, &near, field.along(), field.tuning);
+            exact(cloud, &kept, &found.primitive, &near, field.tuning)
         })
     };
     others.filter_map(fitted).map(|found| found.primitive).find(|found| scatter(found) <= loose * common)

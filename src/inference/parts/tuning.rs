@@ -1,5 +1,7 @@
 //! The settings that decide how a cloud is cut, each with its default and where that comes from.
 
+use crate::bodies::Tuning;
+
 /// What decides how contacts are cut into parts. The defaults serve a user who names nothing.
 ///
 /// ```
@@ -167,6 +169,15 @@ pub struct PartsTuning {
     pub few_same: f64,
     /// Length of the mean normal of few contacts beyond which they lie on one side of their part: half a ball has 0.5.
     pub few_one_side: f64,
+    /// Cost at which a contact is none of a primitive's: three squares of gaussians exceed it once in a thousand.
+    pub cost_of_none: f64,
+    /// Share of the neighbourhoods that is thought to lie away from every edge, and the same quantile of a gaussian: both change together. A
+    /// quarter of them may then be wrong, and the noise is still that of the smooth ones; with the median, two edges in a small cloud would
+    /// raise it.
+    pub smooth: [f64; 2],
+    /// The settings by which parts that recognition judges are judged: whole clouds, few touches, free regions. By default they are its own,
+    /// so that contacts are judged alike whether they are asked for one surface or for parts.
+    pub recognition: Tuning,
 }
 
 impl Default for PartsTuning {
@@ -234,6 +245,9 @@ impl Default for PartsTuning {
             few_open: 0.5,
             few_same: 1e-3,
             few_one_side: 0.5,
+            cost_of_none: 16.0,
+            smooth: [0.3, -0.5244],
+            recognition: Tuning::default(),
         }
     }
 }

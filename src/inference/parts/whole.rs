@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! primitives by `bodies`, with the contacts within four sds      the answer, if no longer to tell than the cut cloud:
-//! length = sum over parts (n ln sd + sum min(d^2 / sd^2, CAP) / 2 + unknowns / 2 ln N) + agree (pairs of neighbours in different parts)
-//!          sd by the median; contacts of no part 0, lengths in units of the cloud's size
+//! length = sum over parts (n ln sd + sum min(d^2 / sd^2, c) / 2 + unknowns / 2 ln N) + agree (pairs of neighbours in different parts)
+//!          sd by the median; contacts of no part 0, lengths in units of the cloud's size; c: `cost_of_none`
 //!          where every contact has a normal of its own, which of the two tells more is asked as in `coarser_look.rs`
 //! primitives by `bodies` that hold nearly all                    the answer where neighbours share errors
 //! where normals are not measured, and the cut cloud has several parts:
@@ -17,7 +17,7 @@
 use super::cloud::Cloud;
 use super::evidence::Residuals;
 use super::free_form::predicted;
-use super::hypothesis::{CAP, sampled};
+use super::hypothesis::sampled;
 use super::joints::joints;
 use super::partition::{Field, NONE, Partition, simplest};
 use super::tuning::PartsTuning;
@@ -82,7 +82,7 @@ impl Partition {
         let price = 0.5 * (cloud.len() as f64).ln();
         let of_part = |(part, off): (&Primitive, &Vec<f64>)| {
             let sd = (MAD_TO_SD * upper_median(off.clone()).unwrap_or(0.0)).max(ROUNDED);
-            let squares: f64 = off.iter().map(|d| (d / sd).powi(2).min(CAP)).sum();
+            let squares: f64 = off.iter().map(|d| (d / sd).powi(2).min(tuning.cost_of_none)).sum();
             off.len() as f64 * sd.ln() + 0.5 * squares + price * part.kind.free().len() as f64
         };
         let pairs = (0..cloud.len()).flat_map(|i| cloud.linked(i).iter().map(move |j| (i, *j as usize)));
@@ -100,7 +100,7 @@ pub(super) fn whole(field: &Field, measured: bool) -> Option<Partition> {
     let normals: &[Vector] = if measured { &cloud.normals } else { &[] };
     let sample = BodySample::new(&cloud.points, normals, cloud.rounding)?;
     // normals of a scan are computed from its places
-    let tuning = Tuning { own_normals: 0.0, ..Tuning::default() };
+    let tuning = Tuning { own_normals: 0.0, ..field.tuning.recognition.clone() };
     let mut things: Vec<Thing> = match bodies::infer_primitives(&sample.at_most(LOOKED_AT), &tuning) {
         Verdict::One(posterior) => {
             let kind = posterior.kind();
@@ -134,10 +134,10 @@ pub(super) fn one(cut: &Partition, field: &Field) -> Option<Partition> {
     let sample = Sample { points: &points, normals: &normals, u_distance: u.distance, u_normal: f64::INFINITY };
     let blind = field.pass.blind();
     let loses = |simpler: &Residuals, richer: &Residuals, more| simpler.lose_to_kind(richer, more, field.cells, &blind);
-    let primitive = simplest((cloud, &all), &sample, &cut.parts, loses)?;
+    let primitive = simplest((cloud, &all), &sample, &cut.parts, field.tuning, loses)?;
     let off: Vec<f64> = cloud.points.iter().map(|p| primitive.nearest(*p).0).collect();
     let sd = mad(off.iter().copied());
-    let most = Tuning::default().belongs * sd;
+    let most = field.tuning.recognition.belongs * sd;
     let labels: Vec<u32> = off.iter().map(|d| if d.abs() <= most { 0 } else { NONE }).collect();
     let found = Partition { parts: vec![facing(primitive, 0, &labels, cloud)], labels };
     let PartsTuning { loose, one_spacings, .. } = *field.tuning;

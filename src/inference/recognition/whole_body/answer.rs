@@ -355,6 +355,12 @@ impl BodyAnswer<'_> {
         tried
     }
 
+    /// Every kind with its probability, and its curvatures at places of a map.
+    pub(super) fn tried_at(&self, averaged: &[(Vector, Vector)]) -> Vec<Tried> {
+        let places: Vec<Vector> = averaged.iter().map(|(p, _)| self.sample.frame.to_patch(*p)).collect();
+        self.tried(&places, 0.0)
+    }
+
     /// Free surfaces by their symmetry.
     fn tried_free(&self, [k1, k2]: [f64; 2]) -> Vec<Tried> {
         let scale = self.sample.frame.scale;

@@ -12,6 +12,7 @@ mod answer;
 mod drawn_map;
 mod drawn_shapes;
 mod exchanged_axes;
+mod joint_kinds;
 mod kept_draws;
 mod normals_of_neighbours;
 mod patch_beside;
@@ -23,6 +24,7 @@ use palpate_numeric::statistics::{kurtosis_about_zero, mad};
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
 use exchanged_axes::agreeing_order_by_neighbours;
+use joint_kinds::with_primitives_in_space;
 use normals_of_neighbours::are_alike;
 use patch_beside::{PatchBeside, PatchDoubt};
 
@@ -60,10 +62,10 @@ pub(super) fn instead(
         Err(error) if may_be_body(error, given, options) => PatchDoubt::Refused,
         Err(_) => PatchDoubt::None,
     };
-    if doubt == PatchDoubt::None {
-        return patch;
-    }
     let normals = given.normals.as_deref().unwrap_or_default();
+    if doubt == PatchDoubt::None {
+        return patch.map(|found| beside_primitives(found, given, touches, options));
+    }
     let Some(sample) = BodySample::new(&given.points, normals, given.rounding) else { return patch };
     let question = answer::BodyQuestion { sample: &sample, given, options, touches };
     match bodies::infer(&sample, &options.tuning) {
@@ -91,6 +93,27 @@ pub(super) fn instead(
         }
         Verdict::None => none_instead(patch, doubt, normals),
     }
+}
+
+/// A patch that nothing speaks against, with the primitives in space among its kinds where it is not sure of its own. Of a few contacts it is sure
+/// of a bar that is a cone, which it does not know: of many, its errors that neighbours share tell that something is left.
+fn beside_primitives(
+    patch: Recognition,
+    given: &Observations,
+    touches: &[[f64; 2]],
+    options: &RecognitionOptions,
+) -> Recognition {
+    let tuning = &options.tuning;
+    let may_taper = patch.hypothesis == Hypothesis::Cylinder && given.points.len() <= tuning.free_contacts;
+    let is_sure = patch.tried.first().is_none_or(|likeliest| likeliest.weight >= tuning.sure_of_patch);
+    if is_sure && !may_taper {
+        return patch;
+    }
+    let normals = given.normals.as_deref().unwrap_or_default();
+    let Some(sample) = BodySample::new(&given.points, normals, given.rounding) else { return patch };
+    let Some(posterior) = bodies::posterior_of_primitives(&sample, tuning) else { return patch };
+    let question = answer::BodyQuestion { sample: &sample, given, options, touches };
+    with_primitives_in_space(patch, &question.of(&posterior))
 }
 
 /// The answer of a primitive, unless the patch tells as much, or the normals are those of another surface.
@@ -122,7 +145,7 @@ fn one_instead(
         Ok(found) if stays => {
             let are_rivals = |possible: &&PossibleThings| !is_as_good(&found, body.sample, &possible.things, tuning);
             let instead = instead.filter(are_rivals);
-            Ok(unless_several(found, body.sample, instead))
+            Ok(unless_several(with_primitives_in_space(found, body), body.sample, instead))
         }
         patch if stays => patch,
         _ => body.recognition().map(|found| unless_several(found, body.sample, instead)),
@@ -280,8 +303,8 @@ fn doubt(found: &Recognition, given: &Observations, tuning: &Tuning) -> PatchDou
 }
 
 /// Whether a body explains the contacts by less than a patch does: patches do not know the cone, and take what it is off a bar or a ring for
-/// errors that neighbours share; a displaced patch is whatever primitive it is no nearer to the contacts than; and a far nearer one is better
-/// than any patch. None of them departs, but for a cone that is still one.
+/// errors that neighbours share; a displaced patch is whatever primitive it is not far nearer to the contacts than, for that follows each of
+/// few contacts; and a far nearer one is better than any patch. None of them departs, but for a cone that is still one.
 fn is_simpler(body: &answer::BodyAnswer, found: &Recognition) -> bool {
     let (posterior, tuning) = (body.posterior, &body.options.tuning);
     let is_plain = posterior.weight_without_departure() > 0.5;
@@ -289,7 +312,7 @@ fn is_simpler(body: &answer::BodyAnswer, found: &Recognition) -> bool {
         return is_plain || body.is_of_simple_kind();
     }
     let scatter = posterior.best_of(posterior.kind()).map_or(f64::INFINITY, BodyHypothesis::scatter);
-    let least = if found.hypothesis == Hypothesis::Displaced { 1.0 } else { tuning.sharper };
+    let least = if found.hypothesis == Hypothesis::Displaced { 1.0 / tuning.sharper } else { tuning.sharper };
     let is_other = Hypothesis::from(posterior.kind()) != found.hypothesis;
     is_plain && is_other && body.sample.frame.scale * scatter <= least * found.noise.sd_of_contact()
 }

@@ -1,0 +1,166 @@
+//! One posterior over the kinds that a patch knows and the primitives in space.
+//!
+//! ```text
+//! p(h), b(h)      probabilities among the kinds of a patch, and among primitives in space, those that depart among them
+//! c               planes, balls and bars, and what a patch calls a ring or a quadric: both know them
+//! z(h)            b(h) sum p(c) / sum b(c), of what does not depart alone where that is less than half of it
+//! w(h) = p(h)                 planes, balls and bars, and what a patch alone knows
+//! w(h) = max(p(h), z(h))      cones, rings and quadrics: of two searches for the same surface the one that found more
+//! P(h) = w(h) / sum w
+//! ```
+//!
+//! A patch has no cones, and rings and quadrics by their departure from two constant curvatures, to first order. Where one of these does not depart
+//! as a primitive in space, and is as likely there to within [`Tuning::alike`](crate::bodies::Tuning::alike), it is told as that primitive; where it
+//! is more likely there by that, its numbers too are read from the primitive's posterior. What departs from every primitive is what a patch tells as
+//! a displaced surface.
+
+use super::answer::BodyAnswer;
+use crate::bodies::BodyPosterior;
+use crate::primitives::placed::PartKind;
+use crate::recognition::{Hypothesis, Recognition, Tried};
+
+/// Primitives that a patch knows exactly.
+const OF_PATCHES: [PartKind; 3] = [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder];
+
+/// Primitives that it does not, each with what it may call them.
+const IN_SPACE: [(PartKind, &[Hypothesis]); 3] = [
+    (PartKind::Cone, &[]),
+    (PartKind::Torus, &[Hypothesis::Torus, Hypothesis::General]),
+    (PartKind::Ellipsoid, &[Hypothesis::Quadric, Hypothesis::Paraboloid]),
+];
+
+/// A primitive in space that takes the place of what a patch calls it.
+struct InSpace {
+    kind: PartKind,
+    names: &'static [Hypothesis],
+    weight: f64,
+    /// Whether a patch finds much less of it, so that its numbers are not those of this primitive.
+    is_new: bool,
+}
+
+/// A patch with the primitives in space among its kinds; where one of these is the likeliest of all, and a patch does not find it, the answer is read
+/// from their posterior.
+pub(super) fn with_primitives_in_space(mut patch: Recognition, body: &BodyAnswer) -> Recognition {
+    if !body.explains_normals() || body.check_axes_of_normals().is_err() {
+        return patch;
+    }
+    let found = in_space(&patch.tried, body.posterior, body.options.tuning.alike);
+    let known = body.tried_at(&patch.averaged);
+    for InSpace { kind, names, weight, .. } in &found {
+        let hypothesis = Hypothesis::from(*kind);
+        patch.tried.retain(|tried| tried.hypothesis != hypothesis && !names.contains(&tried.hypothesis));
+        let own = known.iter().find(|tried| tried.hypothesis == hypothesis);
+        patch.tried.extend(own.map(|own| Tried { weight: *weight, ..*own }));
+    }
+    let all: f64 = patch.tried.iter().map(|tried| tried.weight).sum();
+    patch.tried.iter_mut().for_each(|tried| tried.weight /= all);
+    patch.tried.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    let likeliest = patch.tried.first().map(|tried| tried.hypothesis);
+    let Some(told) = found.iter().find(|found| Some(Hypothesis::from(found.kind)) == likeliest) else { return patch };
+    if !told.is_new {
+        return Recognition { hypothesis: Hypothesis::from(told.kind), ..patch };
+    }
+    let wanted = |kind: PartKind| {
+        let own = patch.tried.iter().find(|tried| tried.hypothesis == Hypothesis::from(kind));
+        own.map_or(0.0, |own| own.weight)
+    };
+    let factor = |kind: PartKind| wanted(kind) / body.posterior.weight_of(kind).max(f64::MIN_POSITIVE);
+    let of_all = body.posterior.times(factor);
+    let answer = of_all.and_then(|posterior| BodyAnswer { posterior: &posterior, ..*body }.recognition().ok());
+    match answer.filter(|answer| Some(answer.hypothesis) == likeliest) {
+        Some(answer) => Recognition { tried: patch.tried, ..answer },
+        None => patch,
+    }
+}
+
+/// The primitives in space that are told as such; none where no kind that both know tells one scale.
+fn in_space(tried: &[Tried], posterior: &BodyPosterior, alike: f64) -> Vec<InSpace> {
+    let of_patch = |own: &[Hypothesis]| {
+        let own = tried.iter().filter(|tried| own.contains(&tried.hypothesis));
+        own.map(|tried| tried.weight).sum::<f64>()
+    };
+    let exact = OF_PATCHES.map(|kind| [of_patch(&[Hypothesis::from(kind)]), posterior.weight_of(kind)]);
+    let near = IN_SPACE.iter().filter(|(_, names)| !names.is_empty());
+    let both = exact.into_iter().chain(near.map(|(kind, names)| [of_patch(names), posterior.weight_of(*kind)]));
+    let [patch, body] = both.fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
+    let scale = patch / body;
+    let one = |(kind, names): &(PartKind, &'static [Hypothesis])| {
+        let [all, plain] = [posterior.weight_of(*kind), posterior.weight_of_plain(*kind)];
+        let is_plain = plain > 0.5 * all;
+        let (own, known) = (scale * if is_plain { all } else { plain }, of_patch(names));
+        let is_told = own > known || is_plain && own >= known * (-alike).exp();
+        let is_new = own * (-alike).exp() > known;
+        (own > 0.0 && is_told).then_some(InSpace { kind: *kind, names, weight: own.max(known), is_new })
+    };
+    if scale.is_finite() { IN_SPACE.iter().filter_map(one).collect() } else { Vec::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::recognition::{Hypothesis, Recognition, RecognitionOptions};
+    use palpate_geometry::contact::Contacts;
+
+    const COUNT: usize = 36;
+
+    /// An error without a pattern.
+    fn error(i: usize) -> f64 {
+        (97.0 * (i as f64 + 1.0).powf(1.3)).sin()
+    }
+
+    /// A place of a disc that is evenly covered.
+    fn on_disc(i: usize, radius: f64) -> [f64; 2] {
+        let (sin, cos) = (2.4 * i as f64).sin_cos();
+        let r = radius * (i as f64 / COUNT as f64).sqrt();
+        [r * cos, r * sin]
+    }
+
+    fn recognised(point: impl Fn(usize) -> [f64; 3]) -> Recognition {
+        let points: Vec<[f64; 3]> = (0..COUNT).map(point).collect();
+        Recognition::of(&Contacts::from_points(&points), &RecognitionOptions::default()).unwrap()
+    }
+
+    fn probability(found: &Recognition, hypothesis: Hypothesis) -> f64 {
+        found.tried.iter().filter(|tried| tried.hypothesis == hypothesis).map(|tried| tried.weight).sum()
+    }
+
+    #[test]
+    fn a_cap_of_an_egg_is_a_quadric_and_no_paraboloid() {
+        for [a, b, c] in [[9.0, 6.0, 5.0], [1.0, 0.7, 0.8]] {
+            let found = recognised(|i| {
+                let [u, v] = on_disc(i, 0.5);
+                [a * u, b * v, c * ((1.0 - u * u - v * v).sqrt() + 0.009 * error(i))]
+            });
+            assert_eq!(found.hypothesis, Hypothesis::Quadric, "{:?}", found.tried);
+            assert_eq!(probability(&found, Hypothesis::Paraboloid), 0.0);
+            let all: f64 = found.tried.iter().map(|tried| tried.weight).sum();
+            assert!((all - 1.0).abs() < 1e-9, "{all}");
+        }
+    }
+
+    #[test]
+    fn a_saddle_is_no_ring_though_no_other_primitive_comes_near() {
+        let found = recognised(|i| {
+            let [x, y] = on_disc(i, 2.0);
+            [x, y, 0.1 * (x * x - y * y) + 0.003 * error(i)]
+        });
+        assert_eq!(found.hypothesis, Hypothesis::Paraboloid, "{:?}", found.tried);
+        assert!(probability(&found, Hypothesis::Torus) < 0.2, "{:?}", found.tried);
+    }
+
+    #[test]
+    fn a_narrow_strip_of_a_cone_is_a_cone_where_its_contacts_are_exact_and_may_be_a_bar_elsewhere() {
+        let slope = 15.0_f64.to_radians().tan();
+        let strip = |arc: f64, size: f64| {
+            recognised(|i| {
+                let (sin, cos) = (arc * ((0.618_033_988_7 * i as f64).fract() - 0.5)).sin_cos();
+                let h = 1.0 + (i as f64 + 0.5) / COUNT as f64;
+                let r = slope * (h + size * error(i));
+                [r * cos, r * sin, h]
+            })
+        };
+        for (arc, size, least) in [(0.8, 0.01, 0.9), (0.5, 0.003, 0.9), (0.5, 0.02, 0.1)] {
+            let found = strip(arc, size);
+            assert!(probability(&found, Hypothesis::Cone) > least, "{arc} {size}: {:?}", found.tried);
+        }
+    }
+}
