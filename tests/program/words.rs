@@ -116,9 +116,14 @@ fn pictures_of_a_plane_are_flat() {
 #[test]
 fn a_groove_has_the_axis_of_the_bar_that_would_lie_in_it() {
     let directory = bench();
+    // of a cone, which the places of a narrow groove allow too, the axis leans out of the plane of x and y
     let axis = |line: &str| -> f64 {
         let document: Value = serde_json::from_str(&told(directory.path(), line)).unwrap();
-        document["shape"]["axis_deg"].as_f64().unwrap()
+        let number = |value: &Value| value.as_f64().unwrap();
+        let axis = &document["shape"]["axis"];
+        document["shape"]["axis_deg"]
+            .as_f64()
+            .unwrap_or_else(|| (number(&axis[1]) / number(&axis[0])).atan().to_degrees())
     };
     for line in [
         "fit bar.csv --json",
