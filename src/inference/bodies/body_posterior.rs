@@ -104,7 +104,7 @@ impl BodyPosterior {
     }
 
     /// The same hypotheses, those of each kind times a factor; `None` where all have none left.
-    pub(crate) fn times(&self, factor: impl Fn(PartKind) -> f64) -> Option<BodyPosterior> {
+    pub(crate) fn reweighed(&self, factor: impl Fn(PartKind) -> f64) -> Option<BodyPosterior> {
         let each = self.nodes.iter().zip(&self.weights);
         let mut weights: Vec<f64> = each.map(|(node, w)| w * factor(self.primitives[node.of].kind)).collect();
         let all: f64 = weights.iter().sum();

@@ -161,6 +161,9 @@ pub struct Tuning {
     /// Probability of a patch's kind from which on primitives in space are not asked beside it: they cost more than the patch itself, and one in
     /// 500 is less than a forecast is told to.
     pub sure_of_patch: f64,
+    /// Contacts up to which a bar is asked whether it tapers, however sure a patch is of it: more show what a bar leaves as errors that neighbours
+    /// share.
+    pub taper_asked: usize,
     /// Contacts from which on two peaks of their distances are looked for.
     pub peaks_from: usize,
     /// Spread across a line over that along it, above which places are no line whatever they err by.
@@ -500,6 +503,7 @@ impl Default for Tuning {
             decisive: 0.1,
             sure_of_few: 0.8,
             sure_of_patch: 0.998,
+            taper_asked: 600,
             peaks_from: 12,
             narrow: 0.2,
             line_errors: 3.0,

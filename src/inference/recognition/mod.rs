@@ -127,7 +127,7 @@ impl Recognition {
     }
 }
 
-/// A patch first; where it is refused, doubtful or bent too far, a body in space. A side that nothing tells is said to be unknown.
+/// A patch first; beside it primitives in space, where it is not certain of its kind, and a body alone, where it is refused, doubtful or bent too far. A side that nothing tells is said to be unknown.
 fn recognise_given(
     given: Observations,
     asked: &RequestedPlaces,

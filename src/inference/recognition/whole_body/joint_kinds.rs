@@ -14,10 +14,11 @@
 //! is more likely there by that, its numbers too are read from the primitive's posterior. What departs from every primitive is what a patch tells as
 //! a displaced surface.
 
-use super::answer::BodyAnswer;
-use crate::bodies::BodyPosterior;
+use super::answer::{BodyAnswer, BodyQuestion};
+use crate::bodies::{self, BodyPosterior, BodySample};
 use crate::primitives::placed::PartKind;
-use crate::recognition::{Hypothesis, Recognition, Tried};
+use crate::recognition::contacts::Observations;
+use crate::recognition::{Hypothesis, Recognition, RecognitionOptions, Tried};
 
 /// Primitives that a patch knows exactly.
 const OF_PATCHES: [PartKind; 3] = [PartKind::Plane, PartKind::Sphere, PartKind::Cylinder];
@@ -38,13 +39,34 @@ struct InSpace {
     is_new: bool,
 }
 
+/// A patch that nothing speaks against, with the primitives in space among its kinds where it is not sure of its own. Of a few contacts it is sure
+/// of a bar that is a cone, which it does not know: of many, its errors that neighbours share tell that something is left.
+pub(super) fn beside_primitives(
+    patch: Recognition,
+    given: &Observations,
+    touches: &[[f64; 2]],
+    options: &RecognitionOptions,
+) -> Recognition {
+    let tuning = &options.tuning;
+    let may_taper = patch.hypothesis == Hypothesis::Cylinder && given.points.len() <= tuning.taper_asked;
+    let is_sure = patch.tried.first().is_none_or(|likeliest| likeliest.weight >= tuning.sure_of_patch);
+    if is_sure && !may_taper {
+        return patch;
+    }
+    let normals = given.normals.as_deref().unwrap_or_default();
+    let Some(sample) = BodySample::new(&given.points, normals, given.rounding) else { return patch };
+    let Some(posterior) = bodies::posterior_of_primitives(&sample, tuning) else { return patch };
+    let body = BodyQuestion { sample: &sample, given, options, touches }.of(&posterior);
+    if body.check_axes_of_normals().is_ok() { with_primitives_in_space(patch, &body) } else { patch }
+}
+
 /// A patch with the primitives in space among its kinds; where one of these is the likeliest of all, and a patch does not find it, the answer is read
 /// from their posterior.
 pub(super) fn with_primitives_in_space(mut patch: Recognition, body: &BodyAnswer) -> Recognition {
-    if !body.explains_normals() || body.check_axes_of_normals().is_err() {
+    let found = in_space(&patch.tried, body.posterior, body.options.tuning.alike);
+    if found.is_empty() || !body.explains_normals() {
         return patch;
     }
-    let found = in_space(&patch.tried, body.posterior, body.options.tuning.alike);
     let known = body.tried_at(&patch.averaged);
     for InSpace { kind, names, weight, .. } in &found {
         let hypothesis = Hypothesis::from(*kind);
@@ -55,6 +77,9 @@ pub(super) fn with_primitives_in_space(mut patch: Recognition, body: &BodyAnswer
     let all: f64 = patch.tried.iter().map(|tried| tried.weight).sum();
     patch.tried.iter_mut().for_each(|tried| tried.weight /= all);
     patch.tried.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    if let Some(own) = found.iter().find(|found| found.names.contains(&patch.hypothesis)) {
+        patch.hypothesis = Hypothesis::from(own.kind);
+    }
     let likeliest = patch.tried.first().map(|tried| tried.hypothesis);
     let Some(told) = found.iter().find(|found| Some(Hypothesis::from(found.kind)) == likeliest) else { return patch };
     if !told.is_new {
@@ -65,7 +90,7 @@ pub(super) fn with_primitives_in_space(mut patch: Recognition, body: &BodyAnswer
         own.map_or(0.0, |own| own.weight)
     };
     let factor = |kind: PartKind| wanted(kind) / body.posterior.weight_of(kind).max(f64::MIN_POSITIVE);
-    let of_all = body.posterior.times(factor);
+    let of_all = body.posterior.reweighed(factor);
     let answer = of_all.and_then(|posterior| BodyAnswer { posterior: &posterior, ..*body }.recognition().ok());
     match answer.filter(|answer| Some(answer.hypothesis) == likeliest) {
         Some(answer) => Recognition { tried: patch.tried, ..answer },

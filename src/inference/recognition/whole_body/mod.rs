@@ -1,6 +1,7 @@
 //! When contacts are judged as a body in space and not as a patch, and what is then said.
 //!
 //! ```text
+//! patch not certain of its kind                                         ->   the same kinds and primitives in space in one posterior (`joint_kinds.rs`)
 //! patch refused, or bent too far, or with contacts that do not belong   ->   primitives in space (`bodies`)
 //! one primitive        the answer, read from its posterior
 //! several things       a refusal that names them, unless a patch that bends in more than one way is as good
@@ -24,7 +25,7 @@ use palpate_numeric::statistics::{kurtosis_about_zero, mad};
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
 use exchanged_axes::agreeing_order_by_neighbours;
-use joint_kinds::with_primitives_in_space;
+use joint_kinds::{beside_primitives, with_primitives_in_space};
 use normals_of_neighbours::are_alike;
 use patch_beside::{PatchBeside, PatchDoubt};
 
@@ -93,27 +94,6 @@ pub(super) fn instead(
         }
         Verdict::None => none_instead(patch, doubt, normals),
     }
-}
-
-/// A patch that nothing speaks against, with the primitives in space among its kinds where it is not sure of its own. Of a few contacts it is sure
-/// of a bar that is a cone, which it does not know: of many, its errors that neighbours share tell that something is left.
-fn beside_primitives(
-    patch: Recognition,
-    given: &Observations,
-    touches: &[[f64; 2]],
-    options: &RecognitionOptions,
-) -> Recognition {
-    let tuning = &options.tuning;
-    let may_taper = patch.hypothesis == Hypothesis::Cylinder && given.points.len() <= tuning.free_contacts;
-    let is_sure = patch.tried.first().is_none_or(|likeliest| likeliest.weight >= tuning.sure_of_patch);
-    if is_sure && !may_taper {
-        return patch;
-    }
-    let normals = given.normals.as_deref().unwrap_or_default();
-    let Some(sample) = BodySample::new(&given.points, normals, given.rounding) else { return patch };
-    let Some(posterior) = bodies::posterior_of_primitives(&sample, tuning) else { return patch };
-    let question = answer::BodyQuestion { sample: &sample, given, options, touches };
-    with_primitives_in_space(patch, &question.of(&posterior))
 }
 
 /// The answer of a primitive, unless the patch tells as much, or the normals are those of another surface.
