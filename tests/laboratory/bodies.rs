@@ -54,6 +54,67 @@ pub struct TouchedBody {
     pub has_normals: bool,
     /// Standard deviation of a distance over the body's size; of a normal half of it in radians.
     pub noise: f64,
+    /// How its other sizes are drawn beside the first.
+    pub sizes: SizeLaw,
+}
+
+/// How sizes are drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SizeLaw {
+    /// Half angles of cones 9 to 43 degrees, tubes of 0.2 to 0.7 of their ring, half axes of 0.5 to 0.9 and 0.95 of the longest.
+    Even,
+    /// As a prior has them: half angles even up to 80 degrees; tubes and rings half Cauchy, the tube the smaller; logarithms of half axes
+    /// gaussian about their mean in two directions, with this standard deviation. The part that is touched lies anywhere on an ellipsoid and
+    /// round a tube, and is as small there as along the ring.
+    Prior { half_axes: f64 },
+}
+
+/// Where a body is touched.
+#[derive(Debug)]
+struct TouchedPlace {
+    /// Parts of the height of an ellipsoid and of the way round a tube.
+    parts: [f64; 2],
+    /// Axes about which directions of an ellipsoid are drawn.
+    axes: [Vector; 3],
+    /// Middle of the part round a tube, from its outermost circle.
+    round: f64,
+}
+
+impl SizeLaw {
+    fn place(self, part: f64, generator: &mut Lcg) -> TouchedPlace {
+        match self {
+            SizeLaw::Even => {
+                let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+                TouchedPlace { parts: [part.max(0.3), part.max(0.5)], axes, round: 0.0 }
+            }
+            SizeLaw::Prior { .. } => {
+                let axis = unit([gaussian(generator), gaussian(generator), gaussian(generator)]);
+                let round = std::f64::consts::TAU * between(generator, 0.0, 1.0);
+                TouchedPlace { parts: [part; 2], axes: axes_along(axis), round }
+            }
+        }
+    }
+
+    /// Sizes over the first of all; the second of a cone is an angle over the size.
+    fn drawn(self, kind: BodyKind, size: f64, generator: &mut Lcg) -> [f64; 3] {
+        let mut half_cauchy = || (0.5 * std::f64::consts::PI * between(generator, 0.0, 1.0)).tan();
+        match (kind, self) {
+            (BodyKind::Plane | BodyKind::Sphere | BodyKind::Cylinder, _) => [1.0, 0.0, 0.0],
+            (BodyKind::Cone, SizeLaw::Even) => [1.0, between(generator, 0.15, 0.75) / size, 0.0],
+            (BodyKind::Cone, SizeLaw::Prior { .. }) => [1.0, between(generator, 0.0, 80_f64.to_radians()) / size, 0.0],
+            (BodyKind::Torus, SizeLaw::Even) => [1.0, between(generator, 0.2, 0.7), 0.0],
+            (BodyKind::Torus, SizeLaw::Prior { .. }) => {
+                let both = [half_cauchy(), half_cauchy()];
+                [1.0, (both[0].min(both[1]) / both[0].max(both[1])).max(0.1), 0.0]
+            }
+            (BodyKind::Ellipsoid, SizeLaw::Even) => [1.0, between(generator, 0.5, 0.9), between(generator, 0.5, 0.95)],
+            (BodyKind::Ellipsoid, SizeLaw::Prior { half_axes }) => {
+                let [u, v] = [gaussian(generator), gaussian(generator)].map(|g| half_axes * g);
+                let logs = [(2.0_f64 / 3.0).sqrt() * u, 0.5_f64.sqrt() * v - u / 6.0_f64.sqrt()];
+                [logs[0], logs[1], -logs[0] - logs[1]].map(f64::exp)
+            }
+        }
+    }
 }
 
 /// A body with its contacts.
@@ -90,21 +151,16 @@ impl RandomBody {
             generator.uniform();
         }
         let size = 10.0_f64.powf(between(&mut generator, -0.5, 1.5));
-        // the second size of a cone is an angle
-        let relative = match cell.kind {
-            BodyKind::Plane | BodyKind::Sphere | BodyKind::Cylinder => [1.0, 0.0, 0.0],
-            BodyKind::Cone => [1.0, between(&mut generator, 0.15, 0.75) / size, 0.0],
-            BodyKind::Torus => [1.0, between(&mut generator, 0.2, 0.7), 0.0],
-            BodyKind::Ellipsoid => [1.0, between(&mut generator, 0.5, 0.9), between(&mut generator, 0.5, 0.95)],
-        };
+        let relative = cell.sizes.drawn(cell.kind, size, &mut generator);
         let sizes = relative.map(|s| s * size);
         let axis = unit([gaussian(&mut generator), gaussian(&mut generator), gaussian(&mut generator)]);
         let origin = [0, 1, 2].map(|_| between(&mut generator, -10.0, 10.0) * size);
         let mut body =
             RandomBody { contacts: Contacts::default(), kind: cell.kind, sizes, origin, axes: axes_along(axis) };
         let (mut places, mut normals) = (Vec::new(), Vec::new());
+        let place = cell.sizes.place(cell.part, &mut generator);
         for _ in 0..cell.count {
-            let foot = body.foot(cell.part, size, &mut generator);
+            let foot = body.foot(cell.part, &place, size, &mut generator);
             let (d, normal) = body.nearest(foot);
             let error = cell.noise * size * gaussian(&mut generator);
             places.push(along(foot, error - d, normal));
@@ -118,26 +174,28 @@ impl RandomBody {
     }
 
     /// A place on the body, in the part that is touched.
-    fn foot(&self, part: f64, size: f64, generator: &mut Lcg) -> Vector {
+    fn foot(&self, part: f64, place: &TouchedPlace, size: f64, generator: &mut Lcg) -> Vector {
         let [one, two, _] = self.sizes;
         let angle = std::f64::consts::TAU * part * (generator.uniform() - 0.5);
         let rise = generator.uniform() - 0.5;
         let own = match self.kind {
             BodyKind::Plane => [size * angle, 3.0 * size * rise, 0.0],
             BodyKind::Sphere | BodyKind::Ellipsoid => {
-                let h = (2.0 * part.max(0.3) * rise).clamp(-1.0, 1.0);
+                let h = (2.0 * place.parts[0] * rise).clamp(-1.0, 1.0);
                 let across = (1.0 - h * h).sqrt();
                 let half_axes = if self.kind == BodyKind::Sphere { [one; 3] } else { self.sizes };
-                [across * angle.cos() * half_axes[0], across * angle.sin() * half_axes[1], h * half_axes[2]]
+                let direction = [across * angle.cos(), across * angle.sin(), h];
+                [0, 1, 2].map(|k| half_axes[k] * (0..3).map(|j| direction[j] * place.axes[j][k]).sum::<f64>())
             }
             BodyKind::Cylinder => [one * angle.cos(), one * angle.sin(), 3.0 * one * rise],
             BodyKind::Cone => {
-                let h = 1.5 * one * rise;
+                // no nearer to the tip than a tenth of the radius
+                let h = one * rise * (1.8 / two.tan()).min(1.5);
                 let rho = one + h * two.tan();
                 [rho * angle.cos(), rho * angle.sin(), h]
             }
             BodyKind::Torus => {
-                let round = std::f64::consts::TAU * part.max(0.5) * rise;
+                let round = place.round + std::f64::consts::TAU * place.parts[1] * rise;
                 let rho = one + two * round.cos();
                 [rho * angle.cos(), rho * angle.sin(), two * round.sin()]
             }
@@ -184,8 +242,15 @@ impl RandomBody {
         matches!(self.kind, BodyKind::Sphere | BodyKind::Cylinder).then_some(self.sizes[0])
     }
 
-    /// The axis of what has one.
+    /// What it is turned about, or the longest half axis.
     pub fn axis(&self) -> Option<Vector> {
-        matches!(self.kind, BodyKind::Cylinder | BodyKind::Cone | BodyKind::Torus).then_some(self.axes[2])
+        match self.kind {
+            BodyKind::Cylinder | BodyKind::Cone | BodyKind::Torus => Some(self.axes[2]),
+            BodyKind::Ellipsoid => {
+                let longest = (0..3).max_by(|a, b| self.sizes[*a].total_cmp(&self.sizes[*b]));
+                longest.map(|k| self.axes[k])
+            }
+            BodyKind::Plane | BodyKind::Sphere => None,
+        }
     }
 }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use palpate::geometry::ShapeClass;
-use palpate_laboratory::bodies::{BodyKind, RandomBody, TouchedBody};
+use palpate_laboratory::bodies::{BodyKind, RandomBody, SizeLaw, TouchedBody};
 
 use crate::Wishes;
 use crate::ranks::{is_of, recognised};
@@ -78,7 +78,7 @@ pub(crate) fn print(wishes: &Wishes, fits: u64) {
         for part in PARTS {
             for (count, has_normals) in CONTACTS {
                 for noise in NOISES {
-                    let touched = TouchedBody { kind, part, count, has_normals, noise };
+                    let touched = TouchedBody { kind, part, count, has_normals, noise, sizes: SizeLaw::Even };
                     let mut cell = Cell::default();
                     (0..fits).for_each(|k| cell.judge(&RandomBody::new(&touched, wishes.seed + k), kind));
                     line(&touched, &cell, fits);

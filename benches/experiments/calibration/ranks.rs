@@ -5,14 +5,18 @@ use std::collections::BTreeMap;
 
 use palpate::Contacts;
 use palpate::geometry::ShapeClass;
-use palpate::recognition::{Hypothesis, Recognition, RecognitionOptions};
-use palpate_laboratory::bodies::{BodyKind, RandomBody, TouchedBody};
+use palpate::recognition::{Hypothesis, Recognition, RecognitionOptions, Tried};
+use palpate_laboratory::bodies::{BodyKind, RandomBody, SizeLaw, TouchedBody};
+use palpate_numeric::threads;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::Wishes;
 
 /// Levels of the intervals that are asked for; the classes between them are as probable as each other.
 const LEVELS: [f64; 5] = [1.0 / 6.0, 2.0 / 6.0, 3.0 / 6.0, 4.0 / 6.0, 5.0 / 6.0];
+
+/// Bodies that are fitted at the same time and then held.
+const AT_ONCE: usize = 32;
 
 /// How often the truth fell into each class.
 #[derive(Clone, Copy, Default)]
@@ -66,7 +70,7 @@ pub(crate) fn recognised(contacts: &Contacts, level: f64) -> Option<Recognition>
 }
 
 /// A cell of the kind, drawn from the laboratory's prior by a number.
-fn cell(kind: BodyKind, number: u64, parts: &[f64]) -> TouchedBody {
+pub(crate) fn cell(kind: BodyKind, number: u64, parts: &[f64], sizes: SizeLaw) -> TouchedBody {
     let pick = |count: u64, by: u64| (number / by % count) as usize;
     TouchedBody {
         kind,
@@ -74,6 +78,41 @@ fn cell(kind: BodyKind, number: u64, parts: &[f64]) -> TouchedBody {
         count: [12, 20, 36, 60, 120][pick(5, 3)],
         has_normals: pick(2, 15) == 0,
         noise: [0.002, 0.01, 0.03][pick(3, 30)],
+        sizes,
+    }
+}
+
+/// Probabilities that were said, and what was right.
+#[derive(Default)]
+struct Forecasts {
+    /// Of the likeliest kind, by tenths: how many, their sum, and how many were right.
+    tenths: [[f64; 3]; 10],
+    /// ln of what was said of the true kind, summed: how many and their sum.
+    of_true: [f64; 2],
+}
+
+/// Least probability of the true kind: of what was not said at all.
+const UNSAID: f64 = 1e-3;
+
+impl Forecasts {
+    fn add(&mut self, tried: &[Tried], kind: BodyKind) {
+        let Some(said) = tried.first() else { return };
+        let tenth = &mut self.tenths[((10.0 * said.weight) as usize).min(9)];
+        tenth[0] += 1.0;
+        tenth[1] += said.weight;
+        tenth[2] += f64::from(u8::from(is_of(said.hypothesis, kind)));
+        let own: f64 = tried.iter().filter(|tried| is_of(tried.hypothesis, kind)).map(|tried| tried.weight).sum();
+        self.of_true[0] += 1.0;
+        self.of_true[1] += own.max(UNSAID).ln();
+    }
+
+    fn print(&self) {
+        println!("\nkind said with a probability of     fits   said   right");
+        for (tenth, [count, said, right]) in self.tenths.iter().enumerate().filter(|(_, [count, ..])| *count > 0.0) {
+            let (said, right) = (100.0 * said / count, 100.0 * right / count);
+            println!("  {:3} to {:3} %  {count:22} {said:6.1} {right:7.1}", 10 * tenth, 10 * (tenth + 1));
+        }
+        println!("mean ln p of the true kind, at least ln {UNSAID}: {:.3}", self.of_true[1] / self.of_true[0].max(1.0));
     }
 }
 
@@ -90,8 +129,7 @@ struct Judged {
 }
 
 impl Judged {
-    fn judge(&mut self, body: &RandomBody, kind: BodyKind, forecasts: &mut [[f64; 3]; 10]) {
-        let fits: Vec<Recognition> = LEVELS.iter().filter_map(|level| recognised(&body.contacts, *level)).collect();
+    fn judge(&mut self, body: &RandomBody, fits: &[Recognition], kind: BodyKind, forecasts: &mut Forecasts) {
         let Some(first) = fits.first().filter(|_| fits.len() == LEVELS.len()) else {
             self.refused += 1;
             return;
@@ -116,23 +154,26 @@ impl Judged {
         if let Some(said) = first.tried.first() {
             let counted = self.said.entry(said.hypothesis.name()).or_default();
             *counted = [counted[0] + 1, counted[1] + u64::from(said.weight > 0.95)];
-            let tenth = &mut forecasts[((10.0 * said.weight) as usize).min(9)];
-            tenth[0] += 1.0;
-            tenth[1] += said.weight;
-            tenth[2] += f64::from(u8::from(is_of(said.hypothesis, kind)));
+            forecasts.add(&first.tried, kind);
         }
     }
 }
 
 /// The tables of ranks and of forecasts.
 pub(crate) fn print(wishes: &Wishes) {
-    let mut forecasts = [[0.0; 3]; 10];
+    let mut forecasts = Forecasts::default();
     println!("truth inside the interval of level  1/6   2/6   3/6   4/6   5/6  beyond (per cent; even is 16.7)");
     for kind in wishes.kinds() {
         let mut judged = Judged::default();
-        for number in 0..wishes.bodies {
-            let body = RandomBody::new(&cell(kind, number, &wishes.parts), wishes.seed + number);
-            judged.judge(&body, kind, &mut forecasts);
+        for first in (0..wishes.bodies).step_by(AT_ONCE) {
+            let count = AT_ONCE.min((wishes.bodies - first) as usize);
+            let fitted = threads::map(count, 1, |k| {
+                let number = first + k as u64;
+                let body = RandomBody::new(&cell(kind, number, &wishes.parts, wishes.sizes), wishes.seed + number);
+                let fits: Vec<Recognition> = LEVELS.iter().filter_map(|l| recognised(&body.contacts, *l)).collect();
+                (body, fits)
+            });
+            fitted.iter().for_each(|(body, fits)| judged.judge(body, fits, kind, &mut forecasts));
         }
         let said = judged.said.iter().map(|(name, [all, sure])| format!("{name} {all} ({sure} above 95 %)"));
         println!("{}: {}; {} refused", kind.name(), said.collect::<Vec<String>>().join(", "), judged.refused);
@@ -142,9 +183,5 @@ pub(crate) fn print(wishes: &Wishes) {
             }
         }
     }
-    println!("\nkind said with a probability of     fits   said   right");
-    for (tenth, [count, said, right]) in forecasts.iter().enumerate().filter(|(_, [count, ..])| *count > 0.0) {
-        let (said, right) = (100.0 * said / count, 100.0 * right / count);
-        println!("  {:3} to {:3} %  {count:22} {said:6.1} {right:7.1}", 10 * tenth, 10 * (tenth + 1));
-    }
+    forecasts.print();
 }

@@ -9,7 +9,7 @@
 
 use palpate::Contacts;
 use palpate::recognition::{Hypothesis, Recognition, RecognitionError, RecognitionOptions, Tuning};
-use palpate_laboratory::bodies::{BodyKind, RandomBody, TouchedBody};
+use palpate_laboratory::bodies::{BodyKind, RandomBody, SizeLaw, TouchedBody};
 use palpate_numeric::draws::Lcg;
 use palpate_numeric::threads;
 use serde_json::Value;
@@ -58,6 +58,7 @@ fn cases(wishes: &Wishes, count: u64) -> Vec<Case> {
             count: contacts,
             has_normals,
             noise: [0.003, 0.02][turn % 2],
+            sizes: SizeLaw::Even,
         };
         let body = RandomBody::new(&cell, wishes.seed + k);
         match k % 12 {

@@ -52,7 +52,7 @@ class Shape:
     which, each with its share of the patch (empty where there is one class). radius: of a cap, cup, ridge or rut. direction_deg: of
     k1 at the patch's centre, from +x towards +y, in [0, 180); direction: the same as a unit vector, where the surface stands
     in space. axis_deg and axis: the same of the direction along a ridge or rut, or of the longer way of a dome or
-    trough. centre: of a recognised ball, from outside or inside. axis_point: of a recognised pipe or bar the point of its axis
+    trough; of a ring, a cone or a thing turned on a lathe what it is turned about, of an egg its longest half axis. centre: of a recognised ball, from outside or inside. axis_point: of a recognised pipe or bar the point of its axis
     next to the middle of the patch. other_class: the class from the other side, where nothing tells which side is free.
     """
 

@@ -297,7 +297,8 @@ pub(crate) struct ShapePart {
     /// Unit direction of k1 in space at the centre (parametric surfaces).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) direction: Option<[f64; 3]>,
-    /// Direction along a ridge or rut, or the longer way of a dome or trough, as `direction_deg`.
+    /// Direction along a ridge or rut, or the longer way of a dome or trough, as `direction_deg`; of what is recognised as a ring or a cone
+    /// what it is turned about, of an ellipsoid its longest half axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) axis_deg: Option<f64>,
     /// The same in space (parametric surfaces).

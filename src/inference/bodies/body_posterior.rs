@@ -97,6 +97,16 @@ impl BodyPosterior {
         own.map(|(_, w)| w).sum()
     }
 
+    /// Probabilities of all kinds, in the order of [`PartKind::BODIES`].
+    pub(crate) fn weights_of_kinds(&self) -> [f64; 6] {
+        PartKind::BODIES.map(|kind| self.weight_of(kind))
+    }
+
+    /// Log evidence of all hypotheses together.
+    pub(crate) fn log_sum(&self) -> f64 {
+        self.log_evidence - most(&self.weights).ln()
+    }
+
     /// Probability of one kind without a departure.
     pub(crate) fn weight_of_plain(&self, kind: PartKind) -> f64 {
         let is_own = |node: &BodyHypothesis| self.primitives[node.of].kind == kind && node.length().is_none();

@@ -47,8 +47,27 @@ pub(crate) fn infer_primitives(all: &BodySample, tuning: &Tuning) -> Verdict {
 
 /// The posterior of primitives about one thing, whether or not they come near the contacts.
 pub(crate) fn posterior_of_primitives(all: &BodySample, tuning: &Tuning) -> Option<BodyPosterior> {
-    let sample = &all.at_most(tuning.most_contacts);
-    posterior(&ModeSearch::new(tuning).modes(sample), sample, tuning)
+    FoundBody::new(all, tuning).posterior(tuning)
+}
+
+/// Contacts of one thing and the modes of all primitives among them, of which any settings may be asked.
+#[derive(Debug)]
+pub(crate) struct FoundBody {
+    sample: BodySample,
+    modes: Arc<Vec<Mode>>,
+}
+
+impl FoundBody {
+    pub(crate) fn new(all: &BodySample, tuning: &Tuning) -> FoundBody {
+        let sample = all.at_most(tuning.most_contacts);
+        let modes = ModeSearch::new(tuning).modes(&sample);
+        FoundBody { sample, modes }
+    }
+
+    /// The posterior of primitives about one thing, whether or not they come near the contacts.
+    pub(crate) fn posterior(&self, tuning: &Tuning) -> Option<BodyPosterior> {
+        posterior(&self.modes, &self.sample, tuning)
+    }
 }
 
 fn infer_beside(

@@ -57,7 +57,7 @@ pub(crate) use chart::BodyChart;
 pub(crate) use coordinates::Symmetry;
 pub(crate) use division::is_simple;
 pub(crate) use free_surface::with_own_contacts;
-pub(crate) use inference::{Verdict, infer, infer_primitives, posterior_of_primitives};
+pub(crate) use inference::{FoundBody, Verdict, infer, infer_primitives, posterior_of_primitives};
 pub(crate) use mode::aligned;
 pub(crate) use other_things::{price_of_unknowns, scatter};
 pub(crate) use posterior::{DrawnBase, PosteriorSpread, draws as drawn, spread};

@@ -65,6 +65,8 @@ pub use region::RecognisedSurface;
 pub use remark::Remark;
 pub use result::{Estimate, MapPoint, Misfit, NoiseFound, Recognition, Tried};
 pub use sequential::{SequentialOptions, SequentialPosterior, TouchUpdate};
+#[doc(hidden)]
+pub use whole_body::{CorpusBody, CorpusEvidence};
 
 use palpate_geometry::contact::{Contacts, Grid, Rounding};
 use palpate_numeric::vector::Vector;

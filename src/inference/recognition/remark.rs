@@ -56,6 +56,11 @@ pub enum Remark {
         /// Radius of the tube with its interval.
         tube: [f64; 3],
     },
+    /// An ellipsoid's half axes, the longest first.
+    EllipsoidIs {
+        /// Each with its interval, input units.
+        half_axes: [[f64; 3]; 3],
+    },
     /// Contacts show smaller shape than a free surface follows.
     FinerShape {
         /// Standard deviation of its height, and the length within which it changes; input units.
@@ -147,6 +152,11 @@ impl std::fmt::Display for Remark {
                 digits(*c),
                 digits(*d)
             ),
+            Remark::EllipsoidIs { half_axes } => {
+                let [longest, middle, shortest] = half_axes
+                    .map(|[value, lo, hi]| format!("{} (between {} and {})", digits(value), digits(lo), digits(hi)));
+                write!(f, "the ellipsoid has half axes of {longest}, {middle} and {shortest}")
+            }
             Remark::FinerShape { size: [height, length] } => write!(
                 f,
                 "the contacts also show shape of about {height:.2e} within {length:.2e} that this surface does not follow; the bounds \

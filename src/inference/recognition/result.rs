@@ -175,7 +175,8 @@ pub struct Recognition {
     pub radius_interval: Option<[f64; 2]>,
     /// Unit direction of `k1` in the middle of the patch, input axes; `None` for plane and sphere.
     pub direction: Option<[f64; 3]>,
-    /// Unit direction there along a ridge or rut, or the longer way of a dome or trough; `None` for the other classes.
+    /// Of a cylinder, cone or torus the unit direction that it is turned about, of an ellipsoid that of its longest half axis. Of a patch that is
+    /// none of these the direction in its middle along a ridge or rut, or the longer way of a dome or trough; `None` for the other classes.
     pub axis: Option<[f64; 3]>,
     /// Within how many degrees of `axis` the true one lies, at the level of the estimates.
     pub axis_within_deg: Option<f64>,

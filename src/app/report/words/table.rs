@@ -200,7 +200,7 @@ fn axis(document: &FitDocument) -> Option<Row> {
     let shape = &document.shape;
     // where several shapes stand side by side, the axis in the middle is that of no shape
     let hypothesis = document.fit.chosen.as_ref().and_then(|chosen| chosen.hypothesis.as_deref());
-    let is_of_all = matches!(hypothesis, Some("surface of revolution" | "extrusion"));
+    let is_of_all = matches!(hypothesis, Some("surface of revolution" | "extrusion" | "torus" | "cone" | "quadric"));
     if shape.class_by_area.is_some() && !is_of_all {
         return None;
     }
@@ -208,7 +208,8 @@ fn axis(document: &FitDocument) -> Option<Row> {
     let (label, angle, vector) =
         if saddle { ("hollow", shape.direction_deg, shape.direction) } else { ("axis", shape.axis_deg, shape.axis) };
     let along = match hypothesis {
-        Some("surface of revolution") => "that it is turned about".into(),
+        Some("surface of revolution" | "torus" | "cone") => "that it is turned about".into(),
+        Some("quadric") => "its longest way".into(),
         Some("extrusion") => "the way along it".into(),
         _ if saddle => "the direction in which it is hollow".into(),
         _ => format!("the way along the {}", shape.class.as_deref().unwrap_or("surface")),

@@ -3,12 +3,13 @@
 use palpate_geometry::contact::Frame;
 use palpate_geometry::curvature::ShapeClass;
 use palpate_geometry::neighbours::mean_of;
-use palpate_numeric::vector::{Vector, cross, dot, norm, reject, unit_or_zero};
+use palpate_numeric::vector::{Vector, cross, dot, reject, unit_or_zero};
 
 use super::drawn_map::DrawnMap;
 use super::drawn_shapes::{classes, free_form, mean_curvatures, variation};
 use super::exchanged_axes::agreeing_order;
 use super::kept_draws::{is_flat, kept_draws};
+use super::own_axis::axis_of;
 use super::predicted_touches::predicted_over;
 use crate::bodies::{
     BodyChart, BodyHypothesis, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Symmetry, drawn, is_simple,
@@ -213,9 +214,11 @@ impl BodyAnswer<'_> {
         let [k1, k2] = mean_curvatures(&chart_surface, &places).map(|k| k / scale);
         let frame = oriented(&chart, &self.sample.frame);
         let symmetry = self.posterior.symmetry();
-        let has_own_axis = primitive.kind != PartKind::Sphere && class.has_axis();
-        let directed = if self.posterior.is_free { symmetry != Symmetry::None } else { has_own_axis };
-        let axis = directed.then_some(primitive.axes[2]);
+        let axis = match symmetry {
+            _ if !self.posterior.is_free => axis_of(&primitive).filter(|_| class != ShapeClass::Plane),
+            Symmetry::None => None,
+            Symmetry::Turned | Symmetry::Extruded => Some(primitive.axes[2]),
+        };
         // a cone or a ring has no one radius of the pipe or ball that its class is named after
         let is_round = matches!(likeliest.kind, PartKind::Sphere | PartKind::Cylinder);
         let has_radius = is_round && !is_free && class != ShapeClass::Plane;
@@ -234,7 +237,7 @@ impl BodyAnswer<'_> {
             radius_interval: radius.map(|[_, lo, hi]| [lo, hi]),
             direction: None,
             axis,
-            axis_within_deg: axis.map(|axis| self.axis_within(axis, &draws, kind)),
+            axis_within_deg: axis.map(|axis| self.axis_within(axis, &draws, &primitive)),
             plane_probability: plane,
             frame,
             support: (supported, map.len()),
@@ -294,29 +297,6 @@ impl BodyAnswer<'_> {
             level: self.options.level,
             dof: freedom,
         })
-    }
-
-    /// A number of the likeliest primitive, with its interval over the draws of that kind.
-    fn bounded(&self, likeliest: &Primitive, draws: &[DrawnBase], of: impl Fn(&Primitive) -> f64) -> [f64; 3] {
-        let own = draws.iter().filter(|d| d.primitive.kind == likeliest.kind);
-        let values: Vec<(f64, f64)> = own.map(|d| (of(&d.primitive), d.share)).collect();
-        let value = of(likeliest);
-        let [lo, hi] = spread(&values, self.options.level).map_or([value; 2], |s| s.interval);
-        [value.clamp(lo, hi), lo, hi]
-    }
-
-    /// Radius, or another of the lengths that fix the likeliest primitive, with its interval.
-    fn length(&self, likeliest: &Primitive, draws: &[DrawnBase], number: usize) -> [f64; 3] {
-        self.bounded(likeliest, draws, |p| p.sizes[number] * self.sample.frame.scale)
-    }
-
-    /// Angle, degrees, that the axes of so large a share of the draws keep within.
-    fn axis_within(&self, axis: Vector, draws: &[DrawnBase], kind: PartKind) -> f64 {
-        let angle = |d: &DrawnBase| norm(cross(d.primitive.axes[2], axis)).atan2(dot(d.primitive.axes[2], axis).abs());
-        let mut angles: Vec<f64> = draws.iter().filter(|d| d.primitive.kind == kind).map(angle).collect();
-        angles.sort_by(f64::total_cmp);
-        let number = ((self.options.level * angles.len() as f64) as usize).min(angles.len().saturating_sub(1));
-        angles.get(number).map_or(90.0, |a| a.to_degrees())
     }
 
     fn noise(&self, kind: PartKind) -> NoiseFound {
@@ -396,20 +376,9 @@ impl BodyAnswer<'_> {
     }
 
     fn notes(&self, likeliest: &Primitive, draws: &[DrawnBase], side: &FreeSide, is_free: bool) -> Vec<Remark> {
-        let mut notes = Vec::new();
-        notes.extend((!side.known).then_some(Remark::FreeSideAssumed));
-        match likeliest.kind {
-            PartKind::Cone if !is_free => {
-                let half_angle_deg = self.bounded(likeliest, draws, |p| p.sizes[1].abs().to_degrees());
-                notes.push(Remark::ConeIs { half_angle_deg });
-            }
-            PartKind::Torus if !is_free => {
-                let [ring, tube] = [0, 1].map(|k| self.length(likeliest, draws, k));
-                notes.push(Remark::RingIs { ring, tube });
-            }
-            _ => {}
-        }
-        notes
+        let open = (!side.known).then_some(Remark::FreeSideAssumed);
+        let sizes = if is_free { None } else { self.sizes(likeliest, draws) };
+        open.into_iter().chain(sizes).collect()
     }
 }
 

@@ -50,7 +50,8 @@ pub(super) fn beside_primitives(
     let tuning = &options.tuning;
     let may_taper = patch.hypothesis == Hypothesis::Cylinder && given.points.len() <= tuning.taper_asked;
     let is_sure = patch.tried.first().is_none_or(|likeliest| likeliest.weight >= tuning.sure_of_patch);
-    if is_sure && !may_taper {
+    let is_in_space = matches!(patch.hypothesis, Hypothesis::Torus | Hypothesis::Quadric);
+    if is_sure && !may_taper && !is_in_space {
         return patch;
     }
     let normals = given.normals.as_deref().unwrap_or_default();
@@ -61,12 +62,16 @@ pub(super) fn beside_primitives(
 }
 
 /// A patch with the primitives in space among its kinds; where one of these is the likeliest of all, and a patch does not find it, the answer is read
-/// from their posterior.
+/// from their posterior, and else the axis and sizes of what it is told as.
 pub(super) fn with_primitives_in_space(mut patch: Recognition, body: &BodyAnswer) -> Recognition {
+    let told = if body.explains_normals() { joined(&mut patch, body) } else { None };
+    let answer = told.filter(|told| told.is_new).and_then(|told| read_from_primitives(&patch, told.kind, body));
+    answer.unwrap_or_else(|| with_own_axis(patch, body))
+}
+
+/// Brings both lists of kinds into one, and says which primitive in space is then the likeliest of all.
+fn joined(patch: &mut Recognition, body: &BodyAnswer) -> Option<InSpace> {
     let found = in_space(&patch.tried, body.posterior, body.options.tuning.alike);
-    if found.is_empty() || !body.explains_normals() {
-        return patch;
-    }
     let known = body.tried_at(&patch.averaged);
     for InSpace { kind, names, weight, .. } in &found {
         let hypothesis = Hypothesis::from(*kind);
@@ -81,21 +86,38 @@ pub(super) fn with_primitives_in_space(mut patch: Recognition, body: &BodyAnswer
         patch.hypothesis = Hypothesis::from(own.kind);
     }
     let likeliest = patch.tried.first().map(|tried| tried.hypothesis);
-    let Some(told) = found.iter().find(|found| Some(Hypothesis::from(found.kind)) == likeliest) else { return patch };
-    if !told.is_new {
-        return Recognition { hypothesis: Hypothesis::from(told.kind), ..patch };
-    }
+    let told = found.into_iter().find(|found| Some(Hypothesis::from(found.kind)) == likeliest)?;
+    patch.hypothesis = Hypothesis::from(told.kind);
+    Some(told)
+}
+
+/// The answer that primitives give where they have the odds of a patch with which they were joined; `None` where it is another kind.
+fn read_from_primitives(patch: &Recognition, told: PartKind, body: &BodyAnswer) -> Option<Recognition> {
     let wanted = |kind: PartKind| {
         let own = patch.tried.iter().find(|tried| tried.hypothesis == Hypothesis::from(kind));
         own.map_or(0.0, |own| own.weight)
     };
     let factor = |kind: PartKind| wanted(kind) / body.posterior.weight_of(kind).max(f64::MIN_POSITIVE);
-    let of_all = body.posterior.reweighed(factor);
-    let answer = of_all.and_then(|posterior| BodyAnswer { posterior: &posterior, ..*body }.recognition().ok());
-    match answer.filter(|answer| Some(answer.hypothesis) == likeliest) {
-        Some(answer) => Recognition { tried: patch.tried, ..answer },
-        None => patch,
+    let posterior = body.posterior.reweighed(factor)?;
+    let answer = BodyAnswer { posterior: &posterior, ..*body }.recognition().ok()?;
+    let is_told = answer.hypothesis == Hypothesis::from(told);
+    is_told.then(|| Recognition { tried: patch.tried.clone(), ..answer })
+}
+
+/// A patch with the axis and sizes of the primitive in space that it is told as.
+fn with_own_axis(patch: Recognition, body: &BodyAnswer) -> Recognition {
+    let own = IN_SPACE.iter().find(|(kind, _)| Hypothesis::from(*kind) == patch.hypothesis);
+    let Some(own) = own.and_then(|(kind, _)| body.own_axis(*kind)) else { return without_axis_of_patch(patch) };
+    let notes = patch.notes.into_iter().chain(own.sizes).collect();
+    Recognition { axis: own.axis, axis_within_deg: own.within_deg, notes, ..patch }
+}
+
+/// A patch that is told as a ring or an egg without the way along it, which is not the axis of these: it knows neither that nor their sizes.
+pub(super) fn without_axis_of_patch(patch: Recognition) -> Recognition {
+    if IN_SPACE.iter().all(|(kind, _)| Hypothesis::from(*kind) != patch.hypothesis) {
+        return patch;
     }
+    Recognition { axis: None, axis_within_deg: None, ..patch }
 }
 
 /// The primitives in space that are told as such; none where no kind that both know tells one scale.
@@ -122,7 +144,7 @@ fn in_space(tried: &[Tried], posterior: &BodyPosterior, alike: f64) -> Vec<InSpa
 
 #[cfg(test)]
 mod tests {
-    use crate::recognition::{Hypothesis, Recognition, RecognitionOptions};
+    use crate::recognition::{Hypothesis, Recognition, RecognitionOptions, Remark};
     use palpate_geometry::contact::Contacts;
 
     const COUNT: usize = 36;
@@ -159,6 +181,33 @@ mod tests {
             assert_eq!(probability(&found, Hypothesis::Paraboloid), 0.0);
             let all: f64 = found.tried.iter().map(|tried| tried.weight).sum();
             assert!((all - 1.0).abs() < 1e-9, "{all}");
+        }
+    }
+
+    #[test]
+    fn a_ring_has_its_own_axis_and_an_egg_its_longest_however_little_of_them_is_touched() {
+        let ring = recognised(|i| {
+            let [u, v] = on_disc(i, 0.5);
+            let tube = 12.0 + 3.6e-3 * error(i);
+            let rho = 40.0 + tube * v.cos();
+            [rho * (0.5 * u).cos(), rho * (0.5 * u).sin(), tube * v.sin()]
+        });
+        assert_eq!(ring.hypothesis, Hypothesis::Torus, "{:?}", ring.tried);
+        let [axis, within] = [ring.axis.unwrap()[2].abs().acos().to_degrees(), ring.axis_within_deg.unwrap()];
+        assert!(axis <= within && within < 5.0, "off by {axis}, within {within}");
+        assert!(ring.notes.iter().any(|note| matches!(note, Remark::RingIs { .. })), "{:?}", ring.notes);
+        let egg = recognised(|i| {
+            let [u, v] = on_disc(i, 0.5);
+            [9.0 * u, 6.0 * v, 5.0 * ((1.0 - u * u - v * v).sqrt() + 1e-4 * error(i))]
+        });
+        let [axis, within] = [egg.axis.unwrap()[0].abs().acos().to_degrees(), egg.axis_within_deg.unwrap()];
+        assert!(axis <= within && within < 5.0, "off by {axis}, within {within}");
+        let told = egg.notes.iter().find_map(|note| match note {
+            Remark::EllipsoidIs { half_axes } => Some(*half_axes),
+            _ => None,
+        });
+        for ([_, lo, hi], truth) in told.unwrap().into_iter().zip([9.0, 6.0, 5.0]) {
+            assert!(lo <= truth && truth <= hi, "{truth}: {lo} to {hi}");
         }
     }
 

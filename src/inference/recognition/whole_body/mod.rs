@@ -10,12 +10,14 @@
 //! ```
 
 mod answer;
+mod corpus_body;
 mod drawn_map;
 mod drawn_shapes;
 mod exchanged_axes;
 mod joint_kinds;
 mod kept_draws;
 mod normals_of_neighbours;
+mod own_axis;
 mod patch_beside;
 mod predicted_touches;
 
@@ -24,8 +26,9 @@ use palpate_geometry::neighbours::mean_of;
 use palpate_numeric::statistics::{kurtosis_about_zero, mad};
 use palpate_numeric::vector::{Vector, along, dot, norm, unit_or_zero};
 
+pub use corpus_body::{CorpusBody, CorpusEvidence};
 use exchanged_axes::agreeing_order_by_neighbours;
-use joint_kinds::{beside_primitives, with_primitives_in_space};
+use joint_kinds::{beside_primitives, with_primitives_in_space, without_axis_of_patch};
 use normals_of_neighbours::are_alike;
 use patch_beside::{PatchBeside, PatchDoubt};
 
@@ -58,6 +61,7 @@ pub(super) fn instead(
     touches: &[[f64; 2]],
     options: &RecognitionOptions,
 ) -> Result<Recognition, RecognitionError> {
+    let patch = patch.map(without_axis_of_patch);
     let doubt = match &patch {
         Ok(found) => doubt(found, given, &options.tuning),
         Err(error) if may_be_body(error, given, options) => PatchDoubt::Refused,

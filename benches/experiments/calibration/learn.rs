@@ -1,0 +1,216 @@
+//! Settings of priors, learned from a corpus: each is moved by itself, and the corpus is most probable at the learned value.
+//!
+//! ```text
+//! corpus      laboratory bodies of every kind in every part, and random bumps, rings and superquadrics; or the files that are named
+//! ln p        sum over every other body of the log evidence of all primitives, with and without departures, above that of the defaults
+//! learned     where that is largest, one setting after another, with the sd that its curvature tells
+//! judged      the same sum over the other bodies, of which nothing was learned: where these gain nothing the default is kept
+//! kinds       mean probabilities of the kinds, until they stay: expectation and maximisation
+//! ```
+//!
+//! A share is moved by its odds, a size by its logarithm. What a corpus does not tell is left: laboratory bodies have no false contacts, and the
+//! sensor of their normals is the laboratory's own.
+
+use std::path::Path;
+
+use palpate::Contacts;
+use palpate::recognition::Tuning;
+use palpate_app::io::{Input, ReadOptions, read_input_bytes};
+use palpate_inference::recognition::{CorpusBody, CorpusEvidence};
+use palpate_laboratory::bodies::RandomBody;
+use palpate_laboratory::coverage::RandomSurface;
+use palpate_numeric::{brent, threads};
+use serde_json::Value;
+
+use crate::Wishes;
+use crate::ranks::cell;
+
+/// Farthest that a size's logarithm or a share's log odds is moved, how exactly the likeliest move is found, and in how many values.
+const FARTHEST: f64 = 3.0;
+const EXACTLY: f64 = 0.02;
+const VALUES: usize = 14;
+
+/// The step by which the curvature there is found.
+const ASIDE: f64 = 0.3;
+
+/// Rounds of expectation and maximisation of the kinds.
+const ROUNDS: usize = 8;
+
+/// Parts of the way round of which the laboratory's bodies are touched.
+const PARTS: [f64; 4] = [1.0, 0.5, 0.3, 0.12];
+
+/// How a setting is moved.
+#[derive(Clone, Copy)]
+enum Scale {
+    /// By a factor, all of its numbers.
+    Size,
+    /// By its odds.
+    Share,
+    /// By a sum, its first number.
+    Mean,
+    /// By a factor, its second number.
+    Spread,
+}
+
+/// The settings, with the way to each in the `Tuning` and what tells it.
+const LEARNED: [(&str, Scale, bool); 11] = [
+    ("half_axes", Scale::Size, true),
+    ("exact", Scale::Share, true),
+    ("lengths", Scale::Size, true),
+    ("departures", Scale::Size, true),
+    ("section", Scale::Share, true),
+    ("departure_is_error", Scale::Share, true),
+    ("own_normals", Scale::Share, false),
+    ("log_ratio", Scale::Mean, false),
+    ("log_ratio", Scale::Spread, false),
+    ("false_prior", Scale::Size, false),
+    ("reach", Scale::Size, false),
+];
+
+fn moved_number(value: &Value, by: f64, scale: Scale) -> Option<Value> {
+    let now = value.as_f64()?;
+    let next = match scale {
+        Scale::Size | Scale::Spread => now * by.exp(),
+        Scale::Share => 1.0 / (1.0 + (1.0 - now) / now * (-by).exp()),
+        Scale::Mean => now + by,
+    };
+    Some(next.into())
+}
+
+/// The settings with one of them moved.
+fn moved(all: &Value, name: &str, scale: Scale, by: f64) -> Option<Value> {
+    let mut all = all.clone();
+    let place = all.get_mut(name)?;
+    match (scale, place) {
+        (Scale::Mean, Value::Array(numbers)) => numbers[0] = moved_number(&numbers[0], by, scale)?,
+        (Scale::Spread, Value::Array(numbers)) => numbers[1] = moved_number(&numbers[1], by, scale)?,
+        (_, Value::Array(numbers)) => {
+            for number in numbers.iter_mut() {
+                *number = moved_number(number, by, scale)?;
+            }
+        }
+        (_, number) => *number = moved_number(number, by, scale)?,
+    }
+    Some(all)
+}
+
+fn tuning(all: &Value) -> Result<Tuning, String> {
+    serde_json::from_value(all.clone()).map_err(|error| error.to_string())
+}
+
+/// Contacts of the laboratory: so many bodies of every kind, and as many random surfaces of all kinds together.
+fn laboratory(wishes: &Wishes, count: u64) -> Vec<Contacts> {
+    let body = |kind, k| RandomBody::new(&cell(kind, k, &PARTS, wishes.sizes), wishes.seed + k).contacts;
+    let bodies = wishes.kinds().flat_map(|kind| (0..count).map(move |k| body(kind, k)));
+    let surface = |k: u64| {
+        let simulator = RandomSurface::new(wishes.seed + k).world.compile().ok()?;
+        Some(simulator.into_contacts(wishes.seed + k, 0).0)
+    };
+    let surfaces = if wishes.only.is_empty() { 3 * count } else { 0 };
+    bodies.chain((0..surfaces).filter_map(surface)).collect()
+}
+
+/// Contacts of the files of a folder, those that hold contacts.
+fn of_folder(folder: &Path) -> Result<Vec<Contacts>, String> {
+    let wrong = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(wrong)? {
+        files.push(entry.map_err(wrong)?.path());
+    }
+    files.sort();
+    let read = |path: &std::path::PathBuf| {
+        let bytes = std::fs::read(path).ok()?;
+        match read_input_bytes(&path.display().to_string(), &bytes, &ReadOptions::default()).ok()?.input {
+            Input::Contacts(contacts) => Some(contacts),
+            Input::Grid(_) => None,
+        }
+    };
+    Ok(files.iter().filter_map(read).collect())
+}
+
+/// What every body of the corpus says under some settings; bodies without evidence are left out by all.
+fn evidence(corpus: &[CorpusBody], tuning: &Tuning) -> Vec<Option<CorpusEvidence>> {
+    threads::map(corpus.len(), 1, |k| corpus[k].evidence(tuning))
+}
+
+/// Log evidence above that of the defaults.
+fn gain(now: &[Option<CorpusEvidence>], of_defaults: &[Option<CorpusEvidence>]) -> f64 {
+    let both = now.iter().zip(of_defaults).filter_map(|(a, b)| Some((a.as_ref()?, b.as_ref()?)));
+    both.map(|(a, b)| a.log_evidence - b.log_evidence).sum()
+}
+
+/// The odds of kinds that make the corpus most probable.
+fn kinds(corpus: &[CorpusBody], beside: &Tuning) -> [f64; 6] {
+    let mut tuning = beside.clone();
+    for _ in 0..ROUNDS {
+        let mut sum = [0.0; 6];
+        for found in evidence(corpus, &tuning).into_iter().flatten() {
+            sum.iter_mut().zip(found.kinds).for_each(|(sum, own)| *sum += own);
+        }
+        let all: f64 = sum.iter().sum();
+        tuning.kinds = sum.map(|own| 6.0 * own / all);
+    }
+    tuning.kinds
+}
+
+/// A corpus, of which every other body is learned from and the others judge.
+struct Halves {
+    learned: Vec<CorpusBody>,
+    judging: Vec<CorpusBody>,
+}
+
+impl Halves {
+    fn new(contacts: &[Contacts]) -> Halves {
+        let found = threads::map(contacts.len(), 1, |k| CorpusBody::new(&contacts[k]));
+        let mut halves = Halves { learned: Vec::new(), judging: Vec::new() };
+        for (k, body) in found.into_iter().enumerate() {
+            if k % 2 == 0 { halves.learned.extend(body) } else { halves.judging.extend(body) }
+        }
+        halves
+    }
+}
+
+/// One line a setting, each beside those that were learned before it, and then all settings as JSON.
+pub(crate) fn print(wishes: &Wishes, count: u64) -> Result<(), String> {
+    let halves = Halves::new(&match &wishes.corpus {
+        Some(folder) => of_folder(folder)?,
+        None => laboratory(wishes, count),
+    });
+    let defaults = serde_json::to_value(Tuning::default()).map_err(|error| error.to_string())?;
+    let of = |all: &Value| evidence(&halves.learned, &tuning(all).unwrap_or_default());
+    let of_judging = |all: &Value| evidence(&halves.judging, &tuning(all).unwrap_or_default());
+    let (first, first_of_judging) = (of(&defaults), of_judging(&defaults));
+    let gained = |all: &Value| [gain(&of(all), &first), gain(&of_judging(all), &first_of_judging)];
+    println!("{} bodies learned from, {} that judge", halves.learned.len(), halves.judging.len());
+    println!("{:<20} {:>20} {:>34}   {:>15} {:>8} {:>8}", "setting", "default", "learned", "move", "ln p", "judged");
+    let mut learned = defaults.clone();
+    for (name, scale, is_told_by_laboratory) in LEARNED {
+        if wishes.corpus.is_none() && !is_told_by_laboratory {
+            continue;
+        }
+        let at = |by: f64| moved(&learned, name, scale, by);
+        let value = |by: f64| at(by).map_or(f64::NEG_INFINITY, |all| gain(&of(&all), &first));
+        let (best, most) = brent::maximum([-FARTHEST, FARTHEST], 0.0, EXACTLY, VALUES, value);
+        let (now, was) = (value(0.0), gained(&learned)[1]);
+        let moves = at(best).filter(|all| most > now && gained(all)[1] > was);
+        let curvature = (2.0 * most - value(best - ASIDE) - value(best + ASIDE)) / (ASIDE * ASIDE);
+        let sd = if curvature > 0.0 { format!("{:.2}", curvature.powf(-0.5)) } else { "-".into() };
+        let told = if moves.is_some() { "" } else { "  the others gain nothing: kept" };
+        let likeliest = at(best).ok_or_else(|| format!("{name} is no setting"))?;
+        let ([own, judged], likeliest_now) = (gained(&likeliest), shown(&likeliest[name]));
+        learned = moves.unwrap_or(learned);
+        let default = shown(&defaults[name]);
+        println!("{name:<20} {default:>20} {likeliest_now:>34}   {best:6.2} +- {sd:>5} {own:8.1} {judged:8.1}{told}");
+    }
+    learned["kinds"] = kinds(&halves.learned, &tuning(&learned)?).to_vec().into();
+    let [own, judged] = gained(&learned);
+    println!("{:<20} {:>20} {:>34}   {:>15} {own:8.1} {judged:8.1}", "kinds", "even", shown(&learned["kinds"]), "");
+    println!("{learned}");
+    Ok(())
+}
+
+/// Numbers in three digits.
+fn shown(value: &Value) -> String {
+    let one = |v: &Value| v.as_f64().map_or_else(String::new, |v| format!("{v:.3}"));
+    value.as_array().map_or_else(|| one(value), |all| all.iter().map(one).collect::<Vec<String>>().join(" "))
+}
