@@ -9,7 +9,7 @@ use super::drawn_map::DrawnMap;
 use super::drawn_shapes::{classes, free_form, mean_curvatures, variation};
 use super::exchanged_axes::agreeing_order;
 use super::kept_draws::{is_flat, kept_draws};
-use super::own_axis::axis_of;
+use super::own_axis::{DrawnPrimitive, axis_of};
 use super::predicted_touches::predicted_over;
 use crate::bodies::{
     BodyChart, BodyHypothesis, BodyPosterior, BodySample, DrawnBase, PosteriorSpread, Symmetry, drawn, is_simple,
@@ -214,6 +214,7 @@ impl BodyAnswer<'_> {
         let [k1, k2] = mean_curvatures(&chart_surface, &places).map(|k| k / scale);
         let frame = oriented(&chart, &self.sample.frame);
         let symmetry = self.posterior.symmetry();
+        let of_draws = self.told_by(&primitive, &draws);
         let axis = match symmetry {
             _ if !self.posterior.is_free => axis_of(&primitive).filter(|_| class != ShapeClass::Plane),
             Symmetry::None => None,
@@ -222,8 +223,10 @@ impl BodyAnswer<'_> {
         // a cone or a ring has no one radius of the pipe or ball that its class is named after
         let is_round = matches!(likeliest.kind, PartKind::Sphere | PartKind::Cylinder);
         let has_radius = is_round && !is_free && class != ShapeClass::Plane;
-        let radius = has_radius.then(|| self.length(&primitive, &draws, 0));
+        let radius = has_radius.then(|| of_draws.length(0));
         let finer_shape = finer.map(|f| Remark::FinerShape { size: [f.height, f.length].map(|v| v * scale) });
+        let open_side = (!side.known).then_some(Remark::FreeSideAssumed);
+        let sizes = if is_free { None } else { of_draws.sizes() };
         let found = Recognition {
             hypothesis: if is_free { Hypothesis::from(symmetry) } else { Hypothesis::from(likeliest.kind) },
             class,
@@ -237,7 +240,7 @@ impl BodyAnswer<'_> {
             radius_interval: radius.map(|[_, lo, hi]| [lo, hi]),
             direction: None,
             axis,
-            axis_within_deg: axis.map(|axis| self.axis_within(axis, &draws, &primitive)),
+            axis_within_deg: axis.map(|axis| of_draws.axis_within(axis)),
             plane_probability: plane,
             frame,
             support: (supported, map.len()),
@@ -265,7 +268,7 @@ impl BodyAnswer<'_> {
             misfit: self.misfit(kind),
             effective_contacts: members.len() as f64,
             contacts: members.len(),
-            notes: self.notes(&primitive, &draws, &side, is_free).into_iter().chain(finer_shape).collect(),
+            notes: open_side.into_iter().chain(sizes).chain(finer_shape).collect(),
             side_known: side.known,
             predictive,
             draws: kept_draws(&draws, &shapes, &primitive, scale).into(),
@@ -297,6 +300,12 @@ impl BodyAnswer<'_> {
             level: self.options.level,
             dof: freedom,
         })
+    }
+
+    /// The likeliest primitive with the draws that tell its sizes.
+    pub(super) fn told_by<'b>(&self, likeliest: &'b Primitive, draws: &'b [DrawnBase]) -> DrawnPrimitive<'b> {
+        let (level, scale) = (self.options.level, self.sample.frame.scale);
+        DrawnPrimitive { likeliest, draws, level, scale, is_free: self.posterior.is_free }
     }
 
     fn noise(&self, kind: PartKind) -> NoiseFound {
@@ -373,12 +382,6 @@ impl BodyAnswer<'_> {
             "the residuals hold no pattern".to_string()
         };
         Misfit { neighbour_correlation, p: exact, percent_of_relief: 100.0 * total, words }
-    }
-
-    fn notes(&self, likeliest: &Primitive, draws: &[DrawnBase], side: &FreeSide, is_free: bool) -> Vec<Remark> {
-        let open = (!side.known).then_some(Remark::FreeSideAssumed);
-        let sizes = if is_free { None } else { self.sizes(likeliest, draws) };
-        open.into_iter().chain(sizes).collect()
     }
 }
 

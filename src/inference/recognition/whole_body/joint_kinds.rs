@@ -15,6 +15,7 @@
 //! a displaced surface.
 
 use super::answer::{BodyAnswer, BodyQuestion};
+use super::own_axis::axis_of;
 use crate::bodies::{self, BodyPosterior, BodySample};
 use crate::primitives::placed::PartKind;
 use crate::recognition::contacts::Observations;
@@ -106,10 +107,16 @@ fn read_from_primitives(patch: &Recognition, told: PartKind, body: &BodyAnswer) 
 
 /// A patch with the axis and sizes of the primitive in space that it is told as.
 fn with_own_axis(patch: Recognition, body: &BodyAnswer) -> Recognition {
-    let own = IN_SPACE.iter().find(|(kind, _)| Hypothesis::from(*kind) == patch.hypothesis);
-    let Some(own) = own.and_then(|(kind, _)| body.own_axis(*kind)) else { return without_axis_of_patch(patch) };
-    let notes = patch.notes.into_iter().chain(own.sizes).collect();
-    Recognition { axis: own.axis, axis_within_deg: own.within_deg, notes, ..patch }
+    let told = IN_SPACE.iter().find(|(kind, _)| Hypothesis::from(*kind) == patch.hypothesis).map(|(kind, _)| *kind);
+    let alone = told.and_then(|told| body.posterior.reweighed(|kind| f64::from(u8::from(kind == told))));
+    let Some(posterior) = alone else { return without_axis_of_patch(patch) };
+    let Some(likeliest) = posterior.likeliest(posterior.kind()) else { return without_axis_of_patch(patch) };
+    let draws = bodies::drawn(&posterior, &body.options.tuning, body.options.seed);
+    let own = body.told_by(&likeliest, &draws);
+    let axis = axis_of(&likeliest);
+    let axis_within_deg = axis.map(|axis| own.axis_within(axis));
+    let notes = patch.notes.into_iter().chain(own.sizes()).collect();
+    Recognition { axis, axis_within_deg, notes, ..patch }
 }
 
 /// A patch that is told as a ring or an egg without the way along it, which is not the axis of these: it knows neither that nor their sizes.
