@@ -153,59 +153,76 @@ fn kinds(corpus: &[CorpusBody], beside: &Tuning) -> [f64; 6] {
     tuning.kinds
 }
 
-/// A corpus, of which every other body is learned from and the others judge.
-struct Halves {
-    learned: Vec<CorpusBody>,
+/// A corpus, of which every other body is learned from and the others judge, and the settings that were learned so far.
+struct Learner {
+    learned_from: Vec<CorpusBody>,
     judging: Vec<CorpusBody>,
+    /// What both say under the defaults.
+    of_defaults: [Vec<Option<CorpusEvidence>>; 2],
+    defaults: Value,
+    learned: Value,
 }
 
-impl Halves {
-    fn new(contacts: &[Contacts]) -> Halves {
+impl Learner {
+    fn new(contacts: &[Contacts]) -> Result<Learner, String> {
         let found = threads::map(contacts.len(), 1, |k| CorpusBody::new(&contacts[k]));
-        let mut halves = Halves { learned: Vec::new(), judging: Vec::new() };
+        let (mut learned_from, mut judging) = (Vec::new(), Vec::new());
         for (k, body) in found.into_iter().enumerate() {
-            if k % 2 == 0 { halves.learned.extend(body) } else { halves.judging.extend(body) }
+            if k % 2 == 0 { learned_from.extend(body) } else { judging.extend(body) }
         }
-        halves
+        let of_defaults = [&learned_from, &judging].map(|bodies| evidence(bodies, &Tuning::default()));
+        let defaults = serde_json::to_value(Tuning::default()).map_err(|error| error.to_string())?;
+        Ok(Learner { learned_from, judging, of_defaults, learned: defaults.clone(), defaults })
+    }
+
+    /// Gains over the defaults: of the bodies that are learned from, and of those that judge.
+    fn gained(&self, all: &Value) -> Result<[f64; 2], String> {
+        let tuning = tuning(all)?;
+        let [own, judging] = [&self.learned_from, &self.judging].map(|bodies| evidence(bodies, &tuning));
+        Ok([gain(&own, &self.of_defaults[0]), gain(&judging, &self.of_defaults[1])])
+    }
+
+    /// Moves one setting to where the corpus is most probable, unless the bodies that judge gain nothing by it.
+    fn learn(&mut self, name: &str, scale: Scale) -> Result<(), String> {
+        let at = |by: f64| moved(&self.learned, name, scale, by).ok_or_else(|| format!("{name} is no setting"));
+        let value = |by: f64| {
+            let tuning = at(by).and_then(|all| tuning(&all));
+            tuning.map_or(f64::NEG_INFINITY, |t| gain(&evidence(&self.learned_from, &t), &self.of_defaults[0]))
+        };
+        let (best, most) = brent::maximum([-FARTHEST, FARTHEST], 0.0, EXACTLY, VALUES, value);
+        let curvature = (2.0 * most - value(best - ASIDE) - value(best + ASIDE)) / (ASIDE * ASIDE);
+        let sd = if curvature > 0.0 { format!("{:.2}", curvature.powf(-0.5)) } else { "-".into() };
+        let likeliest = at(best)?;
+        let ([now, was], [own, judged]) = (self.gained(&self.learned)?, self.gained(&likeliest)?);
+        let gains = most > now && judged > was;
+        let told = if gains { "" } else { "  the others gain nothing: kept" };
+        let (default, found) = (shown(&self.defaults[name]), shown(&likeliest[name]));
+        println!("{name:<20} {default:>20} {found:>34}   {best:6.2} +- {sd:>5} {own:8.1} {judged:8.1}{told}");
+        if gains {
+            self.learned = likeliest;
+        }
+        Ok(())
     }
 }
 
 /// One line a setting, each beside those that were learned before it, and then all settings as JSON.
 pub(crate) fn print(wishes: &Wishes, count: u64) -> Result<(), String> {
-    let halves = Halves::new(&match &wishes.corpus {
+    let contacts = match &wishes.corpus {
         Some(folder) => of_folder(folder)?,
         None => laboratory(wishes, count),
-    });
-    let defaults = serde_json::to_value(Tuning::default()).map_err(|error| error.to_string())?;
-    let of = |all: &Value| evidence(&halves.learned, &tuning(all).unwrap_or_default());
-    let of_judging = |all: &Value| evidence(&halves.judging, &tuning(all).unwrap_or_default());
-    let (first, first_of_judging) = (of(&defaults), of_judging(&defaults));
-    let gained = |all: &Value| [gain(&of(all), &first), gain(&of_judging(all), &first_of_judging)];
-    println!("{} bodies learned from, {} that judge", halves.learned.len(), halves.judging.len());
+    };
+    let mut learner = Learner::new(&contacts)?;
+    println!("{} bodies learned from, {} that judge", learner.learned_from.len(), learner.judging.len());
     println!("{:<20} {:>20} {:>34}   {:>15} {:>8} {:>8}", "setting", "default", "learned", "move", "ln p", "judged");
-    let mut learned = defaults.clone();
     for (name, scale, is_told_by_laboratory) in LEARNED {
-        if wishes.corpus.is_none() && !is_told_by_laboratory {
-            continue;
+        if wishes.corpus.is_some() || is_told_by_laboratory {
+            learner.learn(name, scale)?;
         }
-        let at = |by: f64| moved(&learned, name, scale, by);
-        let value = |by: f64| at(by).map_or(f64::NEG_INFINITY, |all| gain(&of(&all), &first));
-        let (best, most) = brent::maximum([-FARTHEST, FARTHEST], 0.0, EXACTLY, VALUES, value);
-        let (now, was) = (value(0.0), gained(&learned)[1]);
-        let moves = at(best).filter(|all| most > now && gained(all)[1] > was);
-        let curvature = (2.0 * most - value(best - ASIDE) - value(best + ASIDE)) / (ASIDE * ASIDE);
-        let sd = if curvature > 0.0 { format!("{:.2}", curvature.powf(-0.5)) } else { "-".into() };
-        let told = if moves.is_some() { "" } else { "  the others gain nothing: kept" };
-        let likeliest = at(best).ok_or_else(|| format!("{name} is no setting"))?;
-        let ([own, judged], likeliest_now) = (gained(&likeliest), shown(&likeliest[name]));
-        learned = moves.unwrap_or(learned);
-        let default = shown(&defaults[name]);
-        println!("{name:<20} {default:>20} {likeliest_now:>34}   {best:6.2} +- {sd:>5} {own:8.1} {judged:8.1}{told}");
     }
-    learned["kinds"] = kinds(&halves.learned, &tuning(&learned)?).to_vec().into();
-    let [own, judged] = gained(&learned);
-    println!("{:<20} {:>20} {:>34}   {:>15} {own:8.1} {judged:8.1}", "kinds", "even", shown(&learned["kinds"]), "");
-    println!("{learned}");
+    learner.learned["kinds"] = kinds(&learner.learned_from, &tuning(&learner.learned)?).to_vec().into();
+    let ([own, judged], of_kinds) = (learner.gained(&learner.learned)?, shown(&learner.learned["kinds"]));
+    println!("{:<20} {:>20} {of_kinds:>34}   {:>15} {own:8.1} {judged:8.1}", "kinds", "even", "");
+    println!("{}", learner.learned);
     Ok(())
 }
 
